@@ -1,0 +1,1 @@
+"""Pinches, clusters and the templates that resolve them."""

@@ -1,0 +1,61 @@
+"""Errors that tell a user what was found, where, what was expected and what to do next."""
+
+from __future__ import annotations
+
+
+class TusqhError(Exception):
+    """Something the user can mend; every part of the message is required.
+
+    Parameters
+    ----------
+    found
+        What is wrong, in a sentence without a full stop.
+    where
+        The file, model, key or cell it was found in.
+    expected
+        What would have been right.
+    remedy
+        What to do next.
+
+    Examples
+    --------
+    >>> print(TusqhError("3 coordinates are NaN", where="bay.csv", expected="finite numbers",
+    ...                  remedy="remove those rows"))
+    bay.csv: 3 coordinates are NaN
+      expected: finite numbers
+      remedy:   remove those rows
+    """
+
+    def __init__(self, found: str, *, where: str, expected: str, remedy: str) -> None:
+        super().__init__(found)
+        self.found = found
+        self.where = where
+        self.expected = expected
+        self.remedy = remedy
+
+    def __str__(self) -> str:
+        return f"{self.where}: {self.found}\n  expected: {self.expected}\n  remedy:   {self.remedy}"
+
+
+class ConfigError(TusqhError):
+    """The configuration asks for something that does not exist or is out of range."""
+
+
+class GeometryError(TusqhError):
+    """A geometry file is missing, unreadable, empty or not finite (dirty is not an error)."""
+
+
+class SamplingError(TusqhError):
+    """Grid, window or sample counts do not fit the geometry."""
+
+
+class TopologyError(TusqhError):
+    """The wanted topology cannot be had."""
+
+
+class MeshError(TusqhError):
+    """A mesh is not conforming, not manifold or has bad elements."""
+
+
+class SimulationError(TusqhError):
+    """A simulation cannot be set up, or did not converge."""

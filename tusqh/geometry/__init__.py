@@ -1,0 +1,1 @@
+"""Outlines as they are: reading them and measuring (never repairing) their defects."""

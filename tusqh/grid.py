@@ -1,0 +1,197 @@
+"""The background grid and every numbering convention of the project.
+
+Arrays are indexed ``[i, j]`` or ``[i, j, k]`` = (x, y[, z]), C order.  A grid of shape
+``n = (nx, ny)`` has cells ``0 <= i < nx`` and grid vertices ``0 <= i <= nx``::
+
+      (0,2)---(1,2)---(2,2)            3 ----2---- 2        corners and sides of
+        | (0,1) | (1,1) |              |           |        a quad, VTK order:
+      (0,1)---(1,1)---(2,1)            3           1        corner c is the start
+        | (0,0) | (1,0) |              |           |        of side c, walked
+      (0,0)---(1,0)---(2,0)            0 ----0---- 1        counter-clockwise
+
+The *doubled grid* (Khalimsky grid) of shape ``2 n + 1`` numbers the primal cells of all
+dimensions at once: along each axis an odd index is the open body of a cell, an even one a grid
+plane, so in 2D ``(odd, odd)`` is a quad, one even an edge and ``(even, even)`` a vertex.
+
+Vertices are ``(n, dim)`` float64 arrays, connectivity is ``(m, 2**dim)`` int64 in VTK order.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tusqh.errors import SamplingError
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+#: Corner offsets of a quad in VTK order, shape (4, 2).
+QUAD_CORNERS: IntArray = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=np.int64)
+
+#: Index offset of the neighbour across each side of a quad (see the drawing), shape (4, 2).
+QUAD_SIDES: IntArray = np.array([[0, -1], [1, 0], [0, 1], [-1, 0]], dtype=np.int64)
+
+
+@dataclass(frozen=True)
+class BackgroundGrid:
+    """A grid of equal cubic cells laid over a box (paper: Volume Fractions).
+
+    Parameters
+    ----------
+    shape
+        Number of cells along each axis.
+    cell_size
+        Edge length of a cell, in the units of the model.
+    origin
+        Lowest corner of the grid, in the units of the model.
+
+    Examples
+    --------
+    >>> grid = BackgroundGrid(shape=(4, 3), cell_size=0.5, origin=(0.0, 1.0))
+    >>> grid.n_cells, grid.upper
+    (12, (2.0, 2.5))
+    >>> grid.label
+    '4x3'
+    """
+
+    shape: tuple[int, ...]
+    cell_size: float
+    origin: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.shape) != len(self.origin) or len(self.shape) not in (2, 3):
+            raise SamplingError(
+                f"shape {self.shape} and origin {self.origin} do not describe a 2D or 3D grid",
+                where="background grid",
+                expected="two or three numbers in each",
+                remedy="give one entry per axis",
+            )
+        if min(self.shape) < 1 or not (math.isfinite(self.cell_size) and self.cell_size > 0):
+            raise SamplingError(
+                f"shape {self.shape} with cell size {self.cell_size} has no volume",
+                where="background grid",
+                expected="at least one cell along each axis and a positive, finite cell size",
+                remedy="correct `grid.cells` or `grid.cell_size`",
+            )
+
+    @property
+    def dim(self) -> int:
+        """Dimension of the grid, 2 or 3."""
+        return len(self.shape)
+
+    @property
+    def n_cells(self) -> int:
+        """Number of cells."""
+        return math.prod(self.shape)
+
+    @property
+    def upper(self) -> tuple[float, ...]:
+        """Highest corner of the grid, in the units of the model."""
+        return tuple(o + n * self.cell_size for o, n in zip(self.origin, self.shape, strict=True))
+
+    @property
+    def label(self) -> str:
+        """The shape as text, ``60x79``."""
+        return "x".join(str(n) for n in self.shape)
+
+    def padded(self) -> BackgroundGrid:
+        """Return the grid with one more layer of cells on every side."""
+        return BackgroundGrid(
+            shape=tuple(n + 2 for n in self.shape),
+            cell_size=self.cell_size,
+            origin=tuple(o - self.cell_size for o in self.origin),
+        )
+
+    def to_points(self, lattice: FloatArray) -> FloatArray:
+        """Return the points, shape (n, dim), of positions given in cells from the origin."""
+        return np.asarray(self.origin) + self.cell_size * np.asarray(lattice, dtype=np.float64)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the grid as plain numbers, for JSON."""
+        return {
+            "shape": list(self.shape),
+            "cell_size": self.cell_size,
+            "origin": list(self.origin),
+        }
+
+    @classmethod
+    def from_dict(cls, numbers: dict[str, Any]) -> BackgroundGrid:
+        """Return the grid that `to_dict` described."""
+        return cls(
+            shape=tuple(int(n) for n in numbers["shape"]),
+            cell_size=float(numbers["cell_size"]),
+            origin=tuple(float(o) for o in numbers["origin"]),
+        )
+
+    @classmethod
+    def over_box(
+        cls,
+        lower: tuple[float, ...],
+        upper: tuple[float, ...],
+        *,
+        cells: int | tuple[int, ...] | None = None,
+        cell_size: float | None = None,
+    ) -> BackgroundGrid:
+        """Return the grid of cubic cells that covers a box, centred on it.
+
+        Parameters
+        ----------
+        lower, upper
+            Corners of the box, in the units of the model.
+        cells
+            Cells along the longest side (an int), or along each axis; the cells are cubes, so
+            the axis that needs the largest ones decides and the others get some slack.
+        cell_size
+            Edge length of a cell instead of a number of cells.
+
+        Raises
+        ------
+        SamplingError
+            The box has no extent along an axis, or not exactly one of `cells` and `cell_size`
+            is given, or they are out of range.
+
+        Examples
+        --------
+        >>> BackgroundGrid.over_box((0.0, 0.0), (4.0, 1.0), cells=8)
+        BackgroundGrid(shape=(8, 2), cell_size=0.5, origin=(0.0, 0.0))
+        >>> BackgroundGrid.over_box((0.0, 0.0), (4.0, 1.0), cells=(8, 4)).origin
+        (0.0, -0.5)
+        """
+        extent = np.subtract(upper, lower)
+        if not np.isfinite(extent).all() or (extent <= 0).any():
+            raise SamplingError(
+                f"the box from {tuple(lower)} to {tuple(upper)} has zero extent along an axis",
+                where="background grid",
+                expected="a positive extent along every axis",
+                remedy="check the geometry, or give a `window` with an area",
+            )
+        if (cells is None) == (cell_size is None):
+            raise SamplingError(
+                f"cells is {cells} and cell_size is {cell_size}",
+                where="background grid",
+                expected="exactly one of them",
+                remedy="give `cells` or `cell_size`, not both",
+            )
+        if cells is None:
+            assert cell_size is not None
+            size = float(cell_size)
+        elif isinstance(cells, int):
+            size = float(extent.max() / max(cells, 1))
+        else:
+            size = float(np.max(extent / np.maximum(cells, 1)))
+        if isinstance(cells, tuple):
+            shape = tuple(int(n) for n in cells)
+        else:
+            # A box that is a whole number of cells long must not gain one by rounding.
+            shape = tuple(max(1, math.ceil(e / size - 1e-9)) for e in extent)
+            if isinstance(cells, int) and cells < 1:
+                shape = (0,) * len(shape)
+        slack = np.multiply(shape, size) - extent
+        origin = tuple(float(low - s / 2) for low, s in zip(lower, slack, strict=True))
+        return cls(shape=shape, cell_size=size, origin=origin)

@@ -1,0 +1,1 @@
+"""The volume mesh: connectivity, boundary, manifold checks, files."""

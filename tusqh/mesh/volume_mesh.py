@@ -1,0 +1,64 @@
+"""The volume mesh that every later step reads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tusqh.grid import FloatArray, IntArray
+
+#: What an element is, by the number in `VolumeMesh.kind`.
+KINDS = ("grid cell", "inner cell", "separating template", "connecting template")
+GRID_CELL, INNER_CELL, SEPARATING, CONNECTING = range(4)
+
+
+@dataclass(frozen=True)
+class VolumeMesh:
+    """Quads in the plane or hexes in space.
+
+    Parameters
+    ----------
+    points
+        Coordinates, shape (n, dim), in the units of the model.
+    cells
+        Corners of every element, shape (m, 2**dim), VTK order, positively oriented.
+    kind
+        What each element is (index into `KINDS`), shape (m,).
+    grid_cell
+        Flat index (C order) of the background-grid cell that each element lies in, shape (m,).
+    name
+        The model it belongs to, for messages.
+    """
+
+    points: FloatArray
+    cells: IntArray
+    kind: IntArray
+    grid_cell: IntArray
+    name: str = "mesh"
+
+    @property
+    def dim(self) -> int:
+        """Dimension of the mesh, 2 or 3."""
+        return int(self.points.shape[1])
+
+    @property
+    def n_cells(self) -> int:
+        """Number of elements."""
+        return len(self.cells)
+
+    @classmethod
+    def from_arrays(cls, points: FloatArray, cells: IntArray, *, name: str = "mesh") -> VolumeMesh:
+        """Return a mesh of plain grid cells, for meshes that did not come from a grid.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+        >>> VolumeMesh.from_arrays(square, np.array([[0, 1, 2, 3]])).n_cells
+        1
+        """
+        cells = np.asarray(cells, dtype=np.int64)
+        zeros = np.zeros(len(cells), dtype=np.int64)
+        points = np.asarray(points, dtype=np.float64)
+        return cls(points=points, cells=cells, kind=zeros, grid_cell=zeros - 1, name=name)

@@ -1,0 +1,1 @@
+"""Records of what every step read, wrote and used."""

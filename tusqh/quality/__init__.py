@@ -1,0 +1,1 @@
+"""Element metrics, surface checks and the verdict of analysis suitability."""

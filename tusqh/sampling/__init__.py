@@ -1,0 +1,1 @@
+"""Winding numbers and the volume fractions of all grid cells."""

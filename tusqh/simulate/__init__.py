@@ -1,0 +1,1 @@
+"""Diffusion on the finished mesh with MFEM."""

@@ -1,0 +1,1 @@
+"""Plateaus of constant cell set and the choice of a threshold among them."""

@@ -1,0 +1,1 @@
+"""The paper's filtration, its persistence and the Betti numbers of meshes."""
