@@ -1,0 +1,94 @@
+"""Read the chains of a DXF drawing: lines, polylines and curves of its model space."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import ezdxf.path
+import numpy as np
+
+from tusqh.geometry.read_svg import CHORD_TOLERANCE
+from tusqh.grid import FloatArray
+
+#: Bezier curves an arc is made of at least: as good as exact beside the chord tolerance.
+_ARC_PIECES = 4
+
+_POLYLINES = ("LWPOLYLINE", "POLYLINE")
+_CURVES = ("ARC", "CIRCLE", "ELLIPSE", "SPLINE")
+
+
+def read_dxf_chains(path: Path) -> list[FloatArray]:
+    """Return the entities of a DXF file as polylines, in file order.
+
+    Read are LINE, LWPOLYLINE, POLYLINE, ARC, CIRCLE, ELLIPSE and SPLINE in model space, also
+    inside blocks (INSERT); meshes, text, hatches and dimensions are passed over.  Straight
+    lines are kept exactly, curves become chords within `CHORD_TOLERANCE` of them, relative to
+    the drawing.  A polyline closes only if its closed flag says so.  The third coordinate is
+    dropped.
+    """
+    space = ezdxf.readfile(path).modelspace()
+    entities = [entity for entity in _exploded(space) if _is_line_work(entity)]
+    extent = ezdxf.path.bbox(
+        (ezdxf.path.make_path(entity) for entity in entities), fast=True
+    ).size  # of the control points, so never too small by much
+    tolerance = CHORD_TOLERANCE * max(extent.x, extent.y) if entities else 0.0
+    return [_chain_of(entity, tolerance or 1.0) for entity in entities]
+
+
+def _exploded(entities: Iterable[Any]) -> Iterator[Any]:
+    """Yield the entities with block references replaced by what they show."""
+    for entity in entities:
+        if entity.dxftype() == "INSERT":
+            copies = entity.multi_insert() if entity.mcount > 1 else [entity]
+            for copy in copies:
+                yield from _exploded(copy.virtual_entities())
+        else:
+            yield entity
+
+
+def _is_line_work(entity: Any) -> bool:
+    """Whether an entity is a line or a curve."""
+    kind = entity.dxftype()
+    if kind == "POLYLINE":
+        return bool(entity.is_2d_polyline or entity.is_3d_polyline)
+    return kind == "LINE" or kind in _POLYLINES or kind in _CURVES
+
+
+def _chain_of(entity: Any, tolerance: float) -> FloatArray:
+    """Return the polyline of one entity."""
+    kind = entity.dxftype()
+    if kind == "LINE":
+        return _as_points([entity.dxf.start, entity.dxf.end])
+    if kind in _POLYLINES:
+        is_closed = bool(entity.closed if kind == "LWPOLYLINE" else entity.is_closed)
+        if entity.has_arc:
+            path = ezdxf.path.make_path(entity, segments=_ARC_PIECES)
+            return _closed(_as_points(path.flattening(tolerance)), is_closed)
+        in_wcs = entity.vertices_in_wcs if kind == "LWPOLYLINE" else entity.points_in_wcs
+        return _closed(_as_points(in_wcs()), is_closed)
+    points = _as_points(entity.flattening(tolerance))
+    if kind == "SPLINE":
+        return _closed(points, bool(entity.closed))
+    is_full = kind == "CIRCLE" or (
+        kind == "ELLIPSE"
+        and math.isclose(abs(entity.dxf.end_param - entity.dxf.start_param), math.tau)
+    )
+    return _closed(points, is_full)
+
+
+def _as_points(vertices: Iterable[Any]) -> FloatArray:
+    """Return vertices as points, shape (n, 2)."""
+    return np.array([(v.x, v.y) for v in vertices], dtype=np.float64).reshape(-1, 2)
+
+
+def _closed(points: FloatArray, is_closed: bool) -> FloatArray:
+    """Return the polyline of a closed entity with its first point, exactly, at the end."""
+    if not is_closed or len(points) < 2:
+        return points
+    # A full circle comes back to its start only up to rounding: that is its last point already.
+    comes_back = np.abs(points[-1] - points[0]).max() <= 1e-12 * np.abs(points).max()
+    return np.concatenate([points[:-1] if comes_back else points, points[:1]])

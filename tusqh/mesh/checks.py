@@ -1,0 +1,127 @@
+"""Checks that a mesh must pass before anything is computed on it (algorithm notes 6).
+
+MFEM accepts pinched, inverted, flat and orphaned input without a word, and an index out of range
+can crash the process, so these come first.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tusqh.errors import MeshError
+from tusqh.grid import FloatArray, IntArray
+from tusqh.mesh.facets import Facets, find_facets
+from tusqh.mesh.jacobians import corner_jacobians
+from tusqh.mesh.volume_mesh import VolumeMesh
+
+
+@dataclass(frozen=True)
+class Check:
+    """One row of a verdict: what was checked, found and required.
+
+    ``holds`` is None where the check could not be run; ``found`` then says why.
+    """
+
+    name: str
+    found: object
+    required: str
+    holds: bool | None
+
+
+def check_mesh(mesh: VolumeMesh) -> list[Check]:
+    """Return the checks of indices, coordinates, conformity, boundary and orientation.
+
+    Later checks need the earlier ones: the list ends at the first group that fails.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    >>> all(check.holds for check in check_mesh(VolumeMesh.from_arrays(square, [[0, 1, 2, 3]])))
+    True
+    >>> flipped = check_mesh(VolumeMesh.from_arrays(square, [[0, 3, 2, 1]]))
+    >>> [check.name for check in flipped if not check.holds]
+    ['elements with a non-positive corner Jacobian']
+    """
+    points, cells = mesh.points, mesh.cells
+    n_out = int(((cells < 0) | (cells >= len(points))).sum())
+    checks = [_none("corner indices out of range", n_out)]
+    if n_out:
+        return checks
+    checks += [
+        _none("points with NaN or infinite coordinates", _count_rows(~np.isfinite(points))),
+        _none("unused points", len(points) - len(np.unique(cells))),
+        _none("elements that use a point twice", _n_with_repeated_corner(cells)),
+    ]
+    if not all(check.holds for check in checks):
+        return checks
+    checks += [
+        _none("repeated points", len(points) - len(np.unique(points, axis=0))),
+        _none("repeated elements", len(cells) - len(np.unique(np.sort(cells, axis=1), axis=0))),
+    ]
+    facets = find_facets(cells)
+    checks += [
+        _none("facets shared by more than two elements", int((facets.n_cells_of > 2).sum())),
+        _none("hanging nodes", count_hanging_nodes(points, facets)),
+        _none("non-manifold boundary points", len(find_non_manifold_points(facets))),
+    ]
+    jacobian, _ = corner_jacobians(points, cells)
+    checks.append(
+        _none("elements with a non-positive corner Jacobian", _count_rows(~(jacobian > 0)))
+    )
+    return checks
+
+
+def require_sound(mesh: VolumeMesh) -> None:
+    """Raise a `MeshError` that names the model and everything `check_mesh` found wrong."""
+    failed = [check for check in check_mesh(mesh) if not check.holds]
+    if failed:
+        raise MeshError(
+            "; ".join(f"{check.name}: {check.found}" for check in failed),
+            where=mesh.name,
+            expected="a conforming, manifold mesh of valid elements",
+            remedy="make the mesh with `tusqh`, or repair it in the tool that wrote it",
+        )
+
+
+def find_non_manifold_points(facets: Facets) -> IntArray:
+    """Return the points of a 2D mesh at which the boundary passes more than once.
+
+    Every boundary point of a manifold mesh lies on exactly two boundary sides.
+    """
+    boundary = facets.corners[facets.on_boundary]
+    n_sides = np.bincount(boundary.ravel()) if boundary.size else np.zeros(0, dtype=np.int64)
+    return np.flatnonzero((n_sides != 0) & (n_sides != 2)).astype(np.int64)
+
+
+def count_hanging_nodes(points: FloatArray, facets: Facets) -> int:
+    """Return how many boundary points of a 2D mesh lie inside a boundary side."""
+    import shapely
+
+    boundary = facets.corners[facets.on_boundary]
+    if len(boundary) == 0:
+        return 0
+    sides = shapely.linestrings(points[boundary])
+    candidates = np.unique(boundary)
+    # A point that hangs on a side was put there on purpose: far closer than any element is small.
+    tolerance = 1e-9 * float(shapely.length(sides).max())
+    node, side = shapely.STRtree(sides).query(
+        shapely.points(points[candidates]), predicate="dwithin", distance=tolerance
+    )
+    is_end = (boundary[side] == candidates[node][:, None]).any(axis=1)
+    return len(np.unique(node[~is_end]))
+
+
+def _none(name: str, found: int) -> Check:
+    return Check(name=name, found=found, required="0", holds=found == 0)
+
+
+def _count_rows(is_bad: np.ndarray) -> int:  # type: ignore[type-arg]
+    return int(is_bad.any(axis=1).sum())
+
+
+def _n_with_repeated_corner(cells: IntArray) -> int:
+    ordered = np.sort(cells, axis=1)
+    return _count_rows(ordered[:, 1:] == ordered[:, :-1])

@@ -1,0 +1,94 @@
+"""Mesh files: VTU, which ParaView, meshio and MFEM read."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from tusqh.errors import MeshError
+from tusqh.grid import FloatArray
+from tusqh.mesh.volume_mesh import KINDS, VolumeMesh
+from tusqh.atomic import replacing
+
+_VTK_QUAD, _VTK_HEXAHEDRON = 9, 12
+
+
+def write_vtu(
+    path: Path, mesh: VolumeMesh, *, cell_data: dict[str, FloatArray] | None = None
+) -> None:
+    """Write a mesh as binary VTU; the file appears whole or not at all.
+
+    Every element carries `kind` (index into `tusqh.mesh.volume_mesh.KINDS`) and `grid_cell`.
+
+    Parameters
+    ----------
+    path
+        File to write, ending in ``.vtu``.
+    mesh
+        The mesh, possibly without elements.
+    cell_data
+        Further values, one per element.
+    """
+    import pyvista
+
+    points = np.zeros((len(mesh.points), 3))
+    points[:, : mesh.dim] = mesh.points
+    cell_type = _VTK_QUAD if mesh.dim == 2 else _VTK_HEXAHEDRON
+    grid = pyvista.UnstructuredGrid({cell_type: mesh.cells}, points)
+    grid.cell_data["kind"] = mesh.kind.astype(np.int8)
+    grid.cell_data["grid_cell"] = mesh.grid_cell
+    for name, values in (cell_data or {}).items():
+        grid.cell_data[name] = values
+    with replacing(path) as temporary:
+        grid.save(temporary, binary=True)
+
+
+def read_vtu(path: Path, *, name: str | None = None) -> VolumeMesh:
+    """Return the mesh in a VTU file of quads in the plane or of hexes.
+
+    Raises
+    ------
+    MeshError
+        The file cannot be read or holds other elements.
+    """
+    import pyvista
+
+    if not path.is_file():
+        raise MeshError(
+            "no such file",
+            where=str(path),
+            expected="a .vtu mesh",
+            remedy="check the path, or make the mesh first",
+        )
+    try:
+        grid = pyvista.read(path)
+        types = set(np.unique(grid.celltypes).tolist())
+    except Exception as reason:
+        raise MeshError(
+            f"cannot be read as a mesh: {reason}",
+            where=str(path),
+            expected="a VTK XML unstructured grid (.vtu)",
+            remedy="convert the mesh, for instance with `meshio convert`",
+        ) from reason
+    if types - {_VTK_QUAD, _VTK_HEXAHEDRON} or len(types) > 1:
+        raise MeshError(
+            f"holds elements of VTK types {sorted(types)}",
+            where=str(path),
+            expected=f"quads ({_VTK_QUAD}) or hexahedra ({_VTK_HEXAHEDRON}) only",
+            remedy="remove other elements from the mesh",
+        )
+    dim = 3 if _VTK_HEXAHEDRON in types else 2
+    cells = grid.cells.reshape(-1, 2**dim + 1)[:, 1:].astype(np.int64)
+    zeros = np.zeros(len(cells), dtype=np.int64)
+    kind = np.asarray(grid.cell_data.get("kind", zeros), dtype=np.int64)
+    grid_cell = np.asarray(grid.cell_data.get("grid_cell", zeros - 1), dtype=np.int64)
+    if kind.size and not (0 <= kind.min() and kind.max() < len(KINDS)):
+        kind = zeros
+    return VolumeMesh(
+        points=np.ascontiguousarray(grid.points[:, :dim], dtype=np.float64),
+        cells=cells,
+        kind=kind,
+        grid_cell=grid_cell,
+        name=name or path.stem,
+    )

@@ -1,0 +1,80 @@
+"""Facets of a mesh: the sides of quads and the faces of hexes, and which lie on the boundary."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tusqh.grid import BoolArray, IntArray
+
+#: Local corners of every facet, facing outwards (VTK order).
+QUAD_FACETS: IntArray = np.array([[0, 1], [1, 2], [2, 3], [3, 0]], dtype=np.int64)
+HEX_FACETS: IntArray = np.array(
+    [[0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2], [0, 3, 2, 1], [4, 5, 6, 7]],
+    dtype=np.int64,
+)
+
+
+@dataclass(frozen=True)
+class Facets:
+    """The facets of a mesh, one row for each side of each element.
+
+    Parameters
+    ----------
+    corners
+        Points of every facet as its element walks them, shape (m * sides, 2**(dim - 1)).
+    cell
+        Element of every row, shape (m * sides,).
+    unique
+        Number of the facet with the same points, whoever walks it, shape (m * sides,).
+    n_cells_of
+        How many rows share each unique facet, shape (n_unique,).
+    """
+
+    corners: IntArray
+    cell: IntArray
+    unique: IntArray
+    n_cells_of: IntArray
+
+    @property
+    def n_unique(self) -> int:
+        """Number of different facets."""
+        return len(self.n_cells_of)
+
+    @property
+    def on_boundary(self) -> BoolArray:
+        """For every row, whether no other element has that facet."""
+        return np.asarray(self.n_cells_of[self.unique] == 1)
+
+
+def find_facets(cells: IntArray) -> Facets:
+    """Return the facets of quads (shape (m, 4)) or hexes (shape (m, 8)).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> two_quads = np.array([[0, 1, 4, 3], [1, 2, 5, 4]])
+    >>> facets = find_facets(two_quads)
+    >>> facets.n_unique, int(facets.on_boundary.sum())
+    (7, 6)
+    """
+    local = QUAD_FACETS if cells.shape[1] == 4 else HEX_FACETS
+    corners = cells[:, local].reshape(-1, local.shape[1])
+    cell = np.repeat(np.arange(len(cells), dtype=np.int64), len(local))
+    ordered = np.sort(corners, axis=1)
+    # Two points name a side, and two opposite corners with the smallest one name a quad face
+    # only together with the third: pack pairs first, then rank them, to stay within int64.
+    key = _rank_pairs(ordered[:, 0], ordered[:, 1])
+    for column in range(2, ordered.shape[1]):
+        key = _rank_pairs(key, ordered[:, column])
+    counts = np.bincount(key, minlength=int(key.max()) + 1 if len(key) else 0)
+    return Facets(corners=corners, cell=cell, unique=key, n_cells_of=counts.astype(np.int64))
+
+
+def _rank_pairs(first: IntArray, second: IntArray) -> IntArray:
+    """Number equal pairs equally, 0, 1, 2, ... in lexicographic order."""
+    if len(first) == 0:
+        return np.empty(0, dtype=np.int64)
+    packed = first * (int(second.max()) + 1) + second
+    return np.unique(packed, return_inverse=True)[1].astype(np.int64)

@@ -1,0 +1,56 @@
+"""Corner Jacobians of quads and hexes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tusqh.grid import FloatArray, IntArray
+
+#: Neighbours of every corner, ordered so that a valid element has positive determinants.
+QUAD_NEIGHBOURS: IntArray = np.array([[1, 3], [2, 0], [3, 1], [0, 2]], dtype=np.int64)
+HEX_NEIGHBOURS: IntArray = np.array(
+    [[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]],
+    dtype=np.int64,
+)
+
+
+def corner_jacobians(points: FloatArray, cells: IntArray) -> tuple[FloatArray, FloatArray]:
+    """Return the Jacobian and the scaled Jacobian at every corner of every element.
+
+    Parameters
+    ----------
+    points
+        Coordinates, shape (n, 2) for quads, (n, 3) for hexes.
+    cells
+        Connectivity, shape (m, 4) or (m, 8), VTK order.
+
+    Returns
+    -------
+    jacobian
+        Determinants of the edges leaving each corner, shape (m, 2**dim), model units**dim.
+    scaled
+        The same with edges of unit length, dimensionless; NaN where an edge has no length.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> trapezoid = np.array([[0.0, 0.0], [4.0, 0.0], [3.0, 1.0], [1.0, 1.0]])
+    >>> jacobian, scaled = corner_jacobians(trapezoid, np.array([[0, 1, 2, 3]]))
+    >>> jacobian.tolist(), float(scaled.min().round(6))
+    ([[4.0, 4.0, 2.0, 2.0]], 0.707107)
+    """
+    neighbours = QUAD_NEIGHBOURS if cells.shape[1] == 4 else HEX_NEIGHBOURS
+    corners = points[cells]
+    edges = corners[:, neighbours] - corners[:, :, None]
+    jacobian = _determinant(edges)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        lengths = np.linalg.norm(edges, axis=-1).prod(axis=-1)
+        return jacobian, jacobian / lengths
+
+
+def _determinant(edges: FloatArray) -> FloatArray:
+    """Return the determinants of matrices of shape (..., 2, 2) or (..., 3, 3)."""
+    a, b = edges[..., 0, :], edges[..., 1, :]
+    if edges.shape[-1] == 2:
+        return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+    return np.asarray((np.cross(a, b) * edges[..., 2, :]).sum(axis=-1))
