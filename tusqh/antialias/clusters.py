@@ -68,12 +68,12 @@ def decide_by_fraction(
     vertex_fraction: FloatArray,
     *,
     threshold: float,
-    mixed: MixedPinches = "separate",
+    mixed_pinches: MixedPinches = "separate",
 ) -> Decisions:
     """Return the decision of every cluster: connect interior pinches, separate exterior ones.
 
     A pinch votes to connect when its sub-cell volume fraction is at least the threshold.  A
-    cluster that agrees follows its vote; a mixed one follows `mixed`, where an even split of
+    cluster that agrees follows its vote; a mixed one follows `mixed_pinches`, where an even split of
     ``"majority"`` separates.
 
     Parameters
@@ -84,14 +84,14 @@ def decide_by_fraction(
         Sub-cell volume fractions of the grid vertices, shape ``n + 1``, dimensionless.
     threshold
         Volume-fraction threshold, dimensionless.
-    mixed
+    mixed_pinches
         What to do with clusters whose pinches disagree.
     """
-    return decide_by_vote(is_pinch, vertex_fraction >= threshold, mixed=mixed)
+    return decide_by_vote(is_pinch, vertex_fraction >= threshold, mixed_pinches=mixed_pinches)
 
 
 def decide_by_vote(
-    is_pinch: BoolArray, votes_connect: BoolArray, *, mixed: MixedPinches = "separate"
+    is_pinch: BoolArray, votes_connect: BoolArray, *, mixed_pinches: MixedPinches = "separate"
 ) -> Decisions:
     """Return the decision of every cluster, given each pinch's vote.
 
@@ -100,7 +100,7 @@ def decide_by_vote(
     >>> import numpy as np
     >>> pinches = np.array([True, True, False, True])
     >>> votes = np.array([True, False, False, True])
-    >>> decided = decide_by_vote(pinches, votes, mixed="separate")
+    >>> decided = decide_by_vote(pinches, votes, mixed_pinches="separate")
     >>> decided.at_vertex.tolist(), decided.n_clusters, decided.n_overruled_clusters
     ([-1, -1, 0, 1], 2, 1)
     """
@@ -108,10 +108,10 @@ def decide_by_vote(
     size = np.bincount(labels.ravel(), minlength=n_clusters + 1)
     ayes = np.bincount(labels[votes_connect & is_pinch], minlength=n_clusters + 1)
     unanimous = (ayes == 0) | (ayes == size)
-    if mixed == "majority":
+    if mixed_pinches == "majority":
         connects = 2 * ayes > size
     else:
-        connects = np.where(unanimous, ayes == size, mixed == "connect")
+        connects = np.where(unanimous, ayes == size, mixed_pinches == "connect")
     unanimous[0] = True
     at_vertex = np.where(connects[labels], CONNECT, SEPARATE).astype(np.int8)
     at_vertex[~is_pinch] = NONE

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -21,6 +22,7 @@ from tusqh.antialias.pinches import find_pinches
 from tusqh.antialias.templates_2d import emit_quads
 from tusqh.errors import MeshError
 from tusqh.grid import BackgroundGrid, BoolArray
+from tusqh.mesh.betti import betti_by_euler
 from tusqh.mesh.checks import find_non_manifold_points
 from tusqh.mesh.facets import find_facets
 from tusqh.mesh.volume_mesh import VolumeMesh
@@ -59,7 +61,7 @@ def keep_cells(
     *,
     threshold: float,
     min_cells: int = 1,
-    mixed: MixedPinches = "separate",
+    mixed_pinches: MixedPinches = "separate",
 ) -> CellSet:
     """Return the cells at a threshold, their pinch decisions and the predicted topology.
 
@@ -74,12 +76,12 @@ def keep_cells(
         Cells with at least this volume fraction are kept, dimensionless.
     min_cells
         Components with fewer cells are removed; 1 removes nothing.
-    mixed
+    mixed_pinches
         What to do with clusters of pinches that disagree.
     """
     kept = fractions.cells >= threshold
     decisions = decide_by_fraction(
-        find_pinches(kept), fractions.vertices, threshold=threshold, mixed=mixed
+        find_pinches(kept), fractions.vertices, threshold=threshold, mixed_pinches=mixed_pinches
     )
     kept, removed = remove_small_components(
         kept, decisions, fractions, threshold=threshold, min_cells=min_cells
@@ -136,7 +138,7 @@ def resolve(
         is_new = (squeezed >= 0) & (at_vertex.ravel()[squeezed] == NONE)
         if len(squeezed) == 0:
             return mesh, n_rounds
-        if not is_new.all():
+        if not is_new.all() or not at_vertex.any():
             break
         _, nearest = ndimage.distance_transform_edt(at_vertex == NONE, return_indices=True)
         at_vertex.ravel()[squeezed] = at_vertex[tuple(nearest)].ravel()[squeezed]
@@ -147,3 +149,23 @@ def resolve(
         expected="a manifold mesh",
         remedy="this is an error in tusqh: please report it with the fractions file",
     )
+
+
+def describe_mesh(mesh: VolumeMesh, cells: CellSet, grid: BackgroundGrid) -> dict[str, Any]:
+    """Return the facts about a mesh that tables quote, as plain numbers for JSON."""
+    return {
+        "model": mesh.name,
+        "dimension": mesh.dim,
+        "grid": grid.label,
+        "cell_size": grid.cell_size,
+        "cells_kept": int(cells.kept.sum()),
+        "elements": mesh.n_cells,
+        "points": len(mesh.points),
+        "pinches": cells.decisions.n_pinches,
+        "pinches_connected": int((cells.decisions.at_vertex == CONNECT).sum()),
+        "pinch_clusters": cells.decisions.n_clusters,
+        "clusters_overruled": cells.decisions.n_overruled_clusters,
+        "removed_components": len(cells.removed),
+        "betti_predicted": list(cells.predicted),
+        "betti_measured": list(betti_by_euler(mesh)),
+    }

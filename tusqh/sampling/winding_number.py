@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import igl
 import numpy as np
 
 from tusqh.geometry.outline import Outline
@@ -35,6 +34,8 @@ def winding_number(outline: Outline, queries: FloatArray) -> FloatArray:
     >>> float(winding_number(Outline.from_chains([square[:-1]]), inside).round(12)[0])
     0.75
     """
+    import igl
+
     # Far from the origin (map coordinates) the differences below lose digits if taken late.
     centre = outline.points[outline.segments[0, 0]]
     return np.asarray(

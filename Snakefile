@@ -1,0 +1,32 @@
+from snakemake.utils import min_version
+
+min_version("9.0")
+
+
+configfile: "config/config.yaml"
+
+
+report: "workflow/report/workflow.rst"
+
+
+include: "workflow/rules/common.smk"
+
+
+rule all:
+    input:
+        "results/tables/summary.csv",
+        "results/tables/summary.md",
+        "results/tables/verification.csv",
+        expand("results/{model}/figures/{figure}.png", model=MODELS, figure=FIGURES),
+        expand("results/{model}/simulation/concentration.pvd", model=MODELS),
+        expand("results/{model}/defects.csv", model=MODELS),
+
+
+include: "workflow/rules/ingest.smk"
+include: "workflow/rules/sample.smk"
+include: "workflow/rules/topology.smk"
+include: "workflow/rules/mesh.smk"
+include: "workflow/rules/quality.smk"
+include: "workflow/rules/simulate.smk"
+include: "workflow/rules/tables.smk"
+include: "workflow/rules/figures.smk"

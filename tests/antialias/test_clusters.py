@@ -1,0 +1,50 @@
+import numpy as np
+import pytest
+
+from tusqh.antialias.clusters import CONNECT, SEPARATE, decide_by_fraction, label_clusters
+
+# Three pinches in a row vote connect, connect, separate; one far away votes connect.
+PINCHES = np.zeros((6, 6), dtype=bool)
+PINCHES[1, 1:4] = True
+PINCHES[4, 4] = True
+FRACTION = np.zeros((6, 6))
+FRACTION[1, 1:4] = [0.5, 0.75, 0.25]
+FRACTION[4, 4] = 0.5
+
+
+@pytest.mark.parametrize(
+    ("policy", "expected"), [("separate", SEPARATE), ("connect", CONNECT), ("majority", CONNECT)]
+)
+def test_a_mixed_cluster_follows_the_policy_and_is_reported(policy, expected):
+    decided = decide_by_fraction(PINCHES, FRACTION, threshold=0.5, mixed_pinches=policy)
+    assert (decided.at_vertex[1, 1:4] == expected).all()
+    assert decided.at_vertex[4, 4] == CONNECT
+    assert (decided.n_clusters, decided.n_overruled_clusters, decided.n_pinches) == (2, 1, 4)
+    assert decided.n_overruled_pinches == (1 if expected == CONNECT else 2)
+
+
+def test_a_fraction_equal_to_the_threshold_connects():
+    alone = np.zeros((3, 3), dtype=bool)
+    alone[1, 1] = True
+    fraction = np.full((3, 3), 0.5)
+    assert decide_by_fraction(alone, fraction, threshold=0.5).at_vertex[1, 1] == CONNECT
+    above = np.nextafter(0.5, 1)
+    assert decide_by_fraction(alone, fraction, threshold=above).at_vertex[1, 1] == SEPARATE
+
+
+def test_an_even_split_separates_by_majority():
+    pair = np.zeros((3, 4), dtype=bool)
+    pair[1, 1:3] = True
+    fraction = np.zeros((3, 4))
+    fraction[1, 1] = 1.0
+    decided = decide_by_fraction(pair, fraction, threshold=0.5, mixed_pinches="majority")
+    assert (decided.at_vertex[1, 1:3] == SEPARATE).all()
+
+
+def test_diagonal_pinches_are_no_cluster_in_the_plane_but_one_in_space():
+    assert label_clusters(np.eye(3, dtype=bool))[1] == 3
+    in_space = np.zeros((3, 3, 3), dtype=bool)
+    in_space[0, 0, 0] = in_space[1, 1, 0] = True
+    assert label_clusters(in_space)[1] == 1
+    in_space[1, 1, 0], in_space[1, 1, 1] = False, True
+    assert label_clusters(in_space)[1] == 2

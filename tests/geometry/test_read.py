@@ -1,0 +1,295 @@
+import json
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+import pytest
+
+from tusqh.errors import GeometryError
+from tusqh.geometry.read import read_outline
+from tusqh.geometry.read_svg import CHORD_TOLERANCE
+
+SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]
+
+
+def write(path: Path, text: str) -> Path:
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def geojson(path: Path, geometry: object) -> Path:
+    return write(path, json.dumps(geometry))
+
+
+def svg(path: Path, body: str) -> Path:
+    return write(path, f'<svg xmlns="http://www.w3.org/2000/svg">{body}</svg>')
+
+
+def chains_of(path: Path) -> list[list[list[float]]]:
+    """The polylines of a file, put together again from the segments."""
+    outline = read_outline(path)
+    result = []
+    for chain in np.unique(outline.chains):
+        segments = outline.segments[outline.chains == chain]
+        assert (segments[1:, 0] == segments[:-1, 1]).all()
+        result.append(outline.points[[*segments[:, 0], segments[-1, 1]]].tolist())
+    return result
+
+
+def test_geojson_keeps_every_ring_as_it_is(tmp_path):
+    hole, open_ring = [[0.25, 0.25], [0.5, 0.5], [0.5, 0.25], [0.25, 0.25]], SQUARE[:-1]
+    collection = {
+        "type": "FeatureCollection",
+        "features": [
+            {"type": "Feature", "geometry": {"type": "Polygon", "coordinates": [SQUARE, hole]}},
+            {"type": "Feature", "geometry": None},
+            {
+                "type": "Feature",
+                "geometry": {
+                    "type": "GeometryCollection",
+                    "geometries": [
+                        {"type": "MultiPolygon", "coordinates": [[open_ring], [SQUARE]]},
+                        {"type": "Point", "coordinates": [9, 9]},
+                        {"type": "LineString", "coordinates": [[0, 0, 7], [0.1, 2, 7]]},
+                        {"type": "MultiLineString", "coordinates": [[[0, 0], [0, 3]]]},
+                    ],
+                },
+            },
+        ],
+    }
+    path = geojson(tmp_path / "a.geojson", collection)
+    lines = [[[0, 0], [0.1, 2]], [[0, 0], [0, 3]]]
+    assert chains_of(path) == [SQUARE, hole, open_ring, SQUARE, *lines]
+    assert read_outline(path).name == "a.geojson"
+
+
+def test_svg_shapes_and_transforms_point_up(tmp_path):
+    path = svg(
+        tmp_path / "a.svg",
+        '<g transform="translate(10 0)"><g transform="scale(2)">'
+        '<path d="M0 0 L1 0 L1 1"/></g></g>'
+        '<rect x="1" y="2" width="3" height="4"/>'
+        '<polygon points="0,0 1,0 0,1"/><polyline points="0,0 1,0 0,1"/>'
+        '<line x1="5" y1="0" x2="6" y2="1"/>'
+        '<path d="M0 0h1v1h-1z M5 5h1"/>',
+    )
+    assert chains_of(path) == [
+        [[10, 0], [12, 0], [12, -2]],
+        [[1, -2], [4, -2], [4, -6], [1, -6], [1, -2]],
+        [[0, 0], [1, 0], [0, -1], [0, 0]],
+        [[0, 0], [1, 0], [0, -1]],
+        [[5, 0], [6, -1]],
+        [[0, 0], [1, 0], [1, -1], [0, -1], [0, 0]],
+        [[5, -5], [6, -5]],
+    ]
+
+
+def test_svg_definitions_are_drawn_where_they_are_used(tmp_path):
+    body = '<defs><path id="tick" d="M0 0V1"/></defs><use href="#tick" x="3" y="1"/>'
+    assert chains_of(svg(tmp_path / "a.svg", body)) == [[[3, -1], [3, -2]]]
+
+
+@pytest.mark.parametrize(
+    ("body", "radii"),
+    [
+        ('<circle cx="1" cy="2" r="3"/>', (3, 3)),
+        ('<ellipse cx="1" cy="2" rx="3" ry="1"/>', (3, 1)),
+        ('<circle r="1" transform="translate(1 2) scale(3 2)"/>', (3, 2)),
+    ],
+)
+def test_svg_curves_stay_within_the_tolerance(tmp_path, body, radii):
+    (chain,) = chains_of(svg(tmp_path / "a.svg", body))
+    points = np.array(chain)
+    middles = (points[1:] + points[:-1]) / 2
+    assert chain[0] == chain[-1]
+    assert np.linalg.norm((points - [1, -2]) / radii, axis=1) == pytest.approx(1)
+    off = 1 - np.linalg.norm((middles - [1, -2]) / radii, axis=1)
+    assert 0 < off.max() * min(radii) <= CHORD_TOLERANCE * 2 * max(radii)
+
+
+def test_svg_bezier_keeps_its_ends(tmp_path):
+    (chain,) = chains_of(svg(tmp_path / "a.svg", '<path d="M0 0 C0 0.1 0.3 1 0.7 0.1"/>'))
+    assert (chain[0], chain[-1]) == ([0, 0], [0.7, -0.1])
+    assert len(chain) > 10
+
+
+def dxf(path: Path, draw) -> Path:
+    document = ezdxf.new()
+    draw(document, document.modelspace())
+    document.saveas(path)
+    return path
+
+
+def test_dxf_straight_entities_are_exact(tmp_path):
+    corners = [(0.1, 0), (1, 0), (1, 1)]
+
+    def draw(document, space):
+        space.add_line((0.1, 0.2, 9), (3, 4, 9))
+        space.add_lwpolyline(corners)
+        space.add_lwpolyline(corners, close=True)
+        space.add_polyline2d(corners, close=True)
+        space.add_polyline3d(corners)
+        space.add_text("not a line")
+
+    open_chain = [list(map(float, c)) for c in corners]
+    assert chains_of(dxf(tmp_path / "a.dxf", draw)) == [
+        [[0.1, 0.2], [3, 4]],
+        open_chain,
+        [*open_chain, open_chain[0]],
+        [*open_chain, open_chain[0]],
+        open_chain,
+    ]
+
+
+def test_dxf_curves_stay_within_the_tolerance(tmp_path):
+    def draw(document, space):
+        space.add_circle((1, 2), radius=3)
+        space.add_arc((1, 2), radius=3, start_angle=0, end_angle=90)
+        space.add_ellipse((1, 2), major_axis=(3, 0), ratio=1.0)
+        space.add_lwpolyline([(4, 2, 0, 0, 1), (-2, 2, 0, 0, 1)], close=True)
+
+    chains = [np.array(chain) for chain in chains_of(dxf(tmp_path / "a.dxf", draw))]
+    for points in chains:
+        radius = np.linalg.norm(points - [1, 2], axis=1)
+        middle = np.linalg.norm((points[1:] + points[:-1]) / 2 - [1, 2], axis=1)
+        assert radius == pytest.approx(3, rel=1e-5)
+        assert 3 - middle.min() <= CHORD_TOLERANCE * 6 * 1.5
+    is_closed = [(points[0] == points[-1]).all() for points in chains]
+    assert is_closed == [True, False, True, True]
+
+
+def test_dxf_splines_close_by_their_flag(tmp_path):
+    def draw(document, space):
+        space.add_closed_spline([(0, 0), (1, 0), (1, 1), (0, 1)])
+        space.add_open_spline([(0, 0), (1, 0), (1, 1), (0, 1)])
+
+    closed, opened = (np.array(c) for c in chains_of(dxf(tmp_path / "a.dxf", draw)))
+    assert (closed[0] == closed[-1]).all()
+    assert opened[[0, -1]].tolist() == [[0, 0], [0, 1]]
+    assert min(len(closed), len(opened)) > 10
+
+
+def test_dxf_blocks_are_exploded(tmp_path):
+    def draw(document, space):
+        inner = document.blocks.new("inner")
+        inner.add_line((0, 0), (1, 0))
+        outer = document.blocks.new("outer")
+        outer.add_blockref("inner", (0, 1))
+        space.add_blockref("outer", (10, 0), dxfattribs={"xscale": 2, "yscale": 2})
+
+    assert chains_of(dxf(tmp_path / "a.dxf", draw)) == [[[10, 2], [12, 2]]]
+
+
+def test_csv_rows_are_loose_segments(tmp_path):
+    path = write(tmp_path / "a.csv", "x0, y0, x1, y1\n0,0,1,0\n\n1,0,0.1,1e1\n")
+    assert chains_of(path) == [[[0, 0], [1, 0]], [[1, 0], [0.1, 10]]]
+    assert read_outline(path).chains.tolist() == [0, 1]
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(GeometryError, match="no such file"):
+        read_outline(tmp_path / "gone.svg")
+
+
+def test_unsupported_suffix_names_the_supported_ones(tmp_path):
+    with pytest.raises(GeometryError, match="not supported") as caught:
+        read_outline(write(tmp_path / "a.docx", "hello"))
+    assert caught.value.expected == "one of .geojson, .json, .svg, .dxf, .csv"
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("a.geojson", '{"type": "Poly', "Unterminated string"),
+        ("a.geojson", '{"type": "Circle"}', "'Circle' is not a GeoJSON type"),
+        ("a.geojson", "[1, 2]", "is not a GeoJSON type"),
+        ("a.geojson", '{"type": "Polygon"}', "coordinates"),
+        ("a.geojson", '{"type": "LineString", "coordinates": [["0", 1], [2, 3]]}', "is text"),
+        ("a.geojson", '{"type": "LineString", "coordinates": [[0, 1], [2]]}', "inhomogeneous"),
+        ("a.svg", "<svg><path></svg>", "mismatched tag"),
+        ("a.svg", "<html/>", "not <svg>"),
+        ("a.svg", '<svg><path d="M 0 0 L"/></svg>', "expects 2"),
+        ("a.svg", '<svg><g transform="turn(3)"/></svg>', "transform"),
+        ("a.dxf", "not a drawing", "not a DXF file"),
+    ],
+)
+def test_corrupt_file_carries_the_message_of_the_parser(tmp_path, name, text, message):
+    with pytest.raises(GeometryError, match="cannot be read") as caught:
+        read_outline(write(tmp_path / name, text))
+    assert message in caught.value.found
+    assert caught.value.where.endswith(name)
+
+
+def test_binary_rubbish_is_not_a_crash(tmp_path):
+    rubbish = np.random.default_rng(0).bytes(500)
+    for suffix in ("geojson", "svg", "dxf"):
+        path = tmp_path / f"a.{suffix}"
+        path.write_bytes(rubbish)
+        with pytest.raises(GeometryError, match="cannot be read"):
+            read_outline(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.json", '{"type": "FeatureCollection", "features": []}'),
+        ("a.json", '{"type": "LineString", "coordinates": [[0, 0]]}'),
+        ("a.svg", "<svg/>"),
+        ("a.csv", "x0,y0,x1,y1\n"),
+    ],
+)
+def test_empty_geometry(tmp_path, name, text):
+    with pytest.raises(GeometryError, match="empty"):
+        read_outline(write(tmp_path / name, text))
+
+
+def test_empty_drawing(tmp_path):
+    with pytest.raises(GeometryError, match="empty"):
+        read_outline(dxf(tmp_path / "a.dxf", lambda document, space: None))
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.json", '{"type": "LineString", "coordinates": [[0, NaN], [1, 1]]}'),
+        ("a.json", '{"type": "LineString", "coordinates": [[0, -Infinity], [1, 1]]}'),
+        ("a.json", '{"type": "LineString", "coordinates": [[0, 1e999], [1, 1]]}'),
+        ("a.json", '{"type": "LineString", "coordinates": [[0, null], [1, 1]]}'),
+        ("a.csv", "x0,y0,x1,y1\n0,0,nan,1\n"),
+        ("a.csv", "x0,y0,x1,y1\n0,0,inf,1\n"),
+    ],
+)
+def test_coordinates_that_are_not_finite(tmp_path, name, text):
+    with pytest.raises(GeometryError, match="NaN or infinite"):
+        read_outline(write(tmp_path / name, text))
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.json", '{"type": "LineString", "coordinates": [[2, 1], [2, 1], [2, 1]]}'),
+        ("a.svg", '<svg><path d="M1 1L1 1"/></svg>'),
+        ("a.csv", "x0,y0,x1,y1\n3,3,3,3\n"),
+    ],
+)
+def test_zero_extent(tmp_path, name, text):
+    with pytest.raises(GeometryError, match="zero extent"):
+        read_outline(write(tmp_path / name, text))
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message"),
+    [
+        ("x0,y0,x1\n0,0,1\n", 1, "the columns are x0,y0,x1"),
+        ("a,b,c,d\n0,0,1,1\n", 1, "the columns are a,b,c,d"),
+        ("", 1, "the columns are (none)"),
+        ("x0,y0,x1,y1\n0,0,1,1\n0,zero,1,1\n", 3, "'0,zero,1,1' is not four numbers"),
+        ("x0,y0,x1,y1\n0,0,1\n", 2, "'0,0,1' is not four numbers"),
+        ("x0,y0,x1,y1\n0,0,1,1,1\n", 2, "'0,0,1,1,1' is not four numbers"),
+    ],
+)
+def test_bad_csv_names_the_line(tmp_path, text, line, message):
+    with pytest.raises(GeometryError) as caught:
+        read_outline(write(tmp_path / "a.csv", text))
+    assert message in caught.value.found
+    assert caught.value.where.endswith(f"a.csv, line {line}")

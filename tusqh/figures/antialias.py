@@ -1,0 +1,106 @@
+"""Sub-cells and templates where the most pinches are, as in the paper's anti-aliasing figure."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Rectangle
+from scipy import ndimage
+
+from tusqh.antialias.pinches import find_pinches
+from tusqh.figures import style
+from tusqh.grid import FloatArray, IntArray
+from tusqh.mesh.volume_mesh import CONNECTING, SEPARATING, VolumeMesh
+from tusqh.sampling.fractions import VolumeFractions
+
+#: Side of the close-up, in cells.
+_CLOSE_UP = 24
+
+
+def draw_antialias(
+    fractions: VolumeFractions, mesh: VolumeMesh, *, threshold: float, unit: str
+) -> Figure:
+    """Return an overview, a close-up of the interior sub-cells, and one of the final mesh.
+
+    Parameters
+    ----------
+    fractions
+        Volume fractions.
+    mesh
+        The mesh made of them.
+    threshold
+        Its threshold, dimensionless.
+    unit
+        Unit of length of the geometry.
+    """
+    grid = fractions.grid
+    scale, unit = style.length_scale(max(grid.shape) * grid.cell_size, unit)
+    points = mesh.points / scale
+    colours = np.full(mesh.n_cells, style.MATERIAL, dtype=object)
+    colours[mesh.kind == SEPARATING] = style.SEPARATING
+    colours[mesh.kind == CONNECTING] = style.CONNECTING
+    is_pinch = find_pinches(fractions.cells >= threshold)
+    low, high = _busiest(is_pinch)
+    lower, upper = (grid.to_points(np.array([c]))[0] / scale for c in (low, high))
+
+    figure, (row,) = style.new_figure(1, 3, width=13.5, height=5.6)
+    style.draw_polygons(row[0], points, mesh.cells, colour=style.MATERIAL)
+    pinches = grid.to_points(np.argwhere(is_pinch)) / scale
+    row[0].plot(*pinches.T, ".", color=style.CONNECTING, markersize=4)
+    row[0].add_patch(Rectangle(tuple(lower), *(upper - lower), fill=False, linewidth=1.0))
+    style.frame(row[0], np.divide(grid.origin, scale), np.divide(grid.upper, scale), unit)
+    row[0].set_title(f"{mesh.name}: {len(pinches)} pinches before anti-aliasing")
+
+    _draw_sub_cells(row[1], fractions, mesh, threshold, scale)
+    style.frame(row[1], lower, upper, unit)
+    row[1].set_title(f"interior sub-cells at threshold {threshold:.4g}")
+    style.draw_polygons(row[2], points, mesh.cells, colour=colours, line_width=0.4)
+    style.frame(row[2], lower, upper, unit)
+    row[2].set_title("the mesh, with its templates")
+    handles = [
+        Line2D([], [], marker="o", mfc="none", color=style.INTERIOR_VERTEX, ls="", label="vertex"),
+        Line2D([], [], color=style.INTERIOR_EDGE, label="edge"),
+        Patch(color=style.MATERIAL, label="kept cell"),
+        Patch(color=style.REMOVED, label="removed cell"),
+        Patch(color=style.CONNECTING, label="connecting template"),
+        Patch(color=style.SEPARATING, label="separating template"),
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=6, frameon=False)
+    return figure
+
+
+def _busiest(is_pinch: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[IntArray, IntArray]:
+    """Return the corners, in cells, of the square with the most pinches."""
+    size = np.minimum(_CLOSE_UP, np.subtract(is_pinch.shape, 1))
+    density = ndimage.uniform_filter(is_pinch.astype(float), size=tuple(size), mode="constant")
+    centre = np.array(np.unravel_index(int(density.argmax()), density.shape))
+    low = np.clip(centre - size // 2, 0, np.array(is_pinch.shape) - 1 - size)
+    return low, low + size
+
+
+def _draw_sub_cells(
+    axes: Axes, fractions: VolumeFractions, mesh: VolumeMesh, threshold: float, scale: float
+) -> None:
+    """Draw kept and removed cells with their interior edges and vertices."""
+    grid = fractions.grid
+    kept = np.argwhere(fractions.cells >= threshold)
+    corners = kept[:, None] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+    points = grid.to_points(corners.reshape(-1, 2)) / scale
+    is_left = np.isin(np.ravel_multi_index(tuple(kept.T), grid.shape), mesh.grid_cell)
+    quads = np.arange(len(points)).reshape(-1, 4)
+    for mask, colour in ((is_left, style.MATERIAL), (~is_left, style.REMOVED)):
+        style.draw_polygons(axes, points, quads[mask], colour=colour, line_width=0.3)
+    interior = fractions.values >= threshold
+    for axis in range(2):
+        middle = np.argwhere(interior)
+        middle = middle[(middle[:, axis] % 2 == 1) & (middle[:, 1 - axis] % 2 == 0)]
+        ends = np.repeat(middle[:, None].astype(float), 2, axis=1)
+        ends[:, 0, axis] -= 1
+        ends[:, 1, axis] += 1
+        lines: FloatArray = grid.to_points(ends / 2) / scale
+        axes.add_collection(LineCollection(list(lines), colors=style.INTERIOR_EDGE, linewidths=1.3))
+    vertices = grid.to_points(np.argwhere(fractions.vertices >= threshold)) / scale
+    axes.plot(*vertices.T, "o", mfc="white", color=style.INTERIOR_VERTEX, markersize=3.2)

@@ -1,0 +1,78 @@
+"""The spreading contaminant in six panels, as in the paper."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from tusqh.figures import style
+from tusqh.grid import FloatArray, IntArray
+
+#: Concentrations are shown over this many powers of ten below the largest one released.
+_DECADES = 4
+
+
+def draw_contaminant(
+    points: FloatArray,
+    cells: IntArray,
+    fields: Sequence[FloatArray],
+    table: pd.DataFrame,
+    *,
+    name: str,
+    unit: str,
+) -> Figure:
+    """Return one panel per snapshot, on one logarithmic colour scale.
+
+    Parameters
+    ----------
+    points
+        Coordinates, shape (n, 2).
+    cells
+        Quads, shape (m, 4).
+    fields
+        Concentration at the points for each snapshot, shape (n,), kg/m^2.
+    table
+        One row per snapshot with the columns step and time_s.
+    name
+        The model, for the title.
+    unit
+        Unit of length of the geometry.
+    """
+    lower, upper = points.min(axis=0), points.max(axis=0)
+    scale, unit = style.length_scale(float((upper - lower).max()), unit)
+    lower, upper, points = lower / scale, upper / scale, points / scale
+    triangles = np.concatenate([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
+    ratio = (upper[1] - lower[1]) / (upper[0] - lower[0])
+    figure, axes = style.new_figure(2, 3, width=10.5, height=2 * (2.9 * ratio + 0.5))
+    largest = max(float(field.max()) for field in fields)
+    norm = LogNorm(largest * 10.0**-_DECADES, largest)
+    image = None
+    for panel, field, row in zip(axes.ravel(), fields, table.itertuples(), strict=True):
+        shown = np.maximum(field, norm.vmin)
+        image = panel.tripcolor(
+            *points.T, triangles, shown, norm=norm, shading="gouraud", cmap="viridis"
+        )
+        style.frame(panel, lower, upper, unit)
+        panel.xaxis.set_major_locator(MaxNLocator(4))
+        panel.set_title(f"step {row.step}: {_duration(float(str(row.time_s)))}")
+    bar = figure.colorbar(image, ax=axes, shrink=0.6, extend="min")
+    bar.set_label("concentration [kg/m$^2$]")
+    figure.suptitle(f"{name}: diffusion of a contaminant, no flux through the boundary")
+    return figure
+
+
+def _duration(seconds: float) -> str:
+    """Return a time in the unit that people would use.
+
+    >>> _duration(172800.0), _duration(30.0)
+    ('2 d', '30 s')
+    """
+    for size, unit in ((86400.0, "d"), (3600.0, "h")):
+        if seconds >= 2 * size or (seconds >= size and seconds % size == 0):
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.3g} s"

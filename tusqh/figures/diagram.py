@@ -1,0 +1,66 @@
+"""The persistence diagram, as in the paper: one minus the fractions of birth and death."""
+
+from __future__ import annotations
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from tusqh.figures import style
+
+_MARKERS = ("o", "^", "s")
+#: Height at which classes are drawn that no threshold above 0 destroys.
+_NEVER = 1.06
+
+
+def draw_diagram(pairs: pd.DataFrame, *, threshold: float, name: str) -> Figure:
+    """Return the persistence diagram with the chosen threshold marked.
+
+    The classes in the mesh at threshold ``t`` are born at or before and die after ``1 - t``:
+    those in the shaded quadrant.
+
+    Parameters
+    ----------
+    pairs
+        Persistence pairs with the columns dimension, birth, death and essential.
+    threshold
+        The chosen threshold, dimensionless.
+    name
+        The model, for the title.
+    """
+    figure, axes = style.new_figure(1, 1, width=5.2, height=5.2)
+    panel = axes[0, 0]
+    shown = pairs.assign(x=1 - pairs["birth"], y=1 - pairs["death"])
+    shown.loc[shown["essential"], "y"] = _NEVER
+    low = min(-0.03, float(shown["x"].min()) - 0.03)
+    panel.plot([low, 1], [low, 1], color="black", linewidth=0.8)
+    panel.axhline(_NEVER, color="black", linewidth=0.6, linestyle=":")
+    panel.fill_between([low, 1 - threshold], 1 - threshold, 1.12, color="#000000", alpha=0.06)
+    panel.text(1.03, _NEVER, "never", va="center", ha="right", fontsize=8, backgroundcolor="white")
+    for dimension, of_dimension in shown.groupby("dimension"):
+        k = int(str(dimension))
+        points = of_dimension.groupby(["x", "y"], as_index=False).size()
+        alive = (of_dimension["birth"] >= threshold) & (of_dimension["death"] < threshold)
+        panel.scatter(
+            points["x"],
+            points["y"],
+            s=22 + 10 * (points["size"] - 1),
+            marker=_MARKERS[k],
+            color=style.DIMENSION_COLOURS[k],
+            alpha=0.75,
+            linewidths=0.4,
+            edgecolors="white",
+            label=rf"$H_{k}$ {style.DIMENSION_NAMES[k]}: {len(of_dimension)} pairs, "
+            f"{int(alive.sum())} at the threshold",
+        )
+        for x, y, count in points[points["size"] > 1].to_numpy():
+            panel.annotate(
+                f"{count:.0f}", (x, y), (5, 2), textcoords="offset points", fontsize=6
+            )
+    panel.set_xlim(low, 1.03)
+    panel.set_ylim(low, 1.12)
+    panel.set_aspect("equal")
+    panel.set_xlabel("1 - volume fraction at birth [-]")
+    panel.set_ylabel("1 - volume fraction at death [-]")
+    panel.set_title(f"{name}: persistence, threshold {threshold:.4g} (shaded: in the mesh)")
+    panel.legend(loc="lower right", fontsize=8)
+    return figure

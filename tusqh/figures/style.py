@@ -1,0 +1,84 @@
+"""One look for all figures: the same colour for the same meaning, colour-blind safe."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+
+mpl.use("Agg")
+
+import matplotlib.pyplot as plt
+import seaborn as sns
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+
+from tusqh.atomic import replacing
+from tusqh.geometry.outline import Outline
+from tusqh.grid import FloatArray, IntArray
+
+_PALETTE = sns.color_palette("colorblind").as_hex()
+
+MATERIAL = "#a9d6ee"
+REMOVED = "#222222"
+OUTLINE = "#888888"
+CONNECTING = _PALETTE[3]
+SEPARATING = _PALETTE[2]
+INTERIOR_VERTEX = _PALETTE[0]
+INTERIOR_EDGE = _PALETTE[4]
+DIMENSION_COLOURS = (_PALETTE[0], _PALETTE[1], _PALETTE[2])
+DIMENSION_NAMES = ("components", "holes", "voids")
+
+_DPI = 150
+
+
+def new_figure(n_rows: int, n_columns: int, *, width: float, height: float) -> tuple[Figure, Any]:
+    """Return a figure of a size in inches with its axes, in the project's style."""
+    sns.set_theme(style="ticks", context="paper", palette="colorblind")
+    return plt.subplots(
+        n_rows, n_columns, figsize=(width, height), layout="constrained", squeeze=False
+    )
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure as PNG of fixed size, the same bytes every time; whole or not at all."""
+    with replacing(path) as temporary:
+        figure.savefig(temporary, dpi=_DPI, metadata={"Software": None})
+    plt.close(figure)
+
+
+def length_scale(extent: float, unit: str) -> tuple[float, str]:
+    """Return by what to divide lengths, and the unit to write on the axes.
+
+    >>> length_scale(250_000.0, "m")
+    (1000.0, 'km')
+    """
+    return (1000.0, "km") if unit == "m" and extent >= 10_000 else (1.0, unit)
+
+
+def draw_polygons(
+    axes: Axes, points: FloatArray, cells: IntArray, *, colour: Any, line_width: float = 0.0
+) -> None:
+    """Fill elements, given by their corners, with one colour or one each."""
+    axes.add_collection(
+        PolyCollection(
+            list(points[cells]), facecolors=colour, edgecolors="#406070", linewidths=line_width
+        )
+    )
+
+
+def draw_outline(axes: Axes, outline: Outline, scale: float) -> None:
+    """Draw the geometry as thin grey lines."""
+    lines = outline.points[outline.segments] / scale
+    axes.add_collection(LineCollection(list(lines), colors=OUTLINE, linewidths=0.4, zorder=3))
+
+
+def frame(axes: Axes, lower: Any, upper: Any, unit: str) -> None:
+    """Show a box at true proportions, with units on the axes."""
+    axes.set_xlim(lower[0], upper[0])
+    axes.set_ylim(lower[1], upper[1])
+    axes.set_aspect("equal")
+    axes.set_xlabel(f"x [{unit}]")
+    axes.set_ylabel(f"y [{unit}]")

@@ -1,0 +1,73 @@
+"""The kept cells at three thresholds, with the Betti numbers of their meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from tusqh.antialias.resolve import keep_cells
+from tusqh.figures import style
+from tusqh.geometry.outline import Outline
+from tusqh.sampling.fractions import VolumeFractions
+
+
+def draw_thresholds(
+    fractions: VolumeFractions,
+    outline: Outline,
+    thresholds: Sequence[float],
+    *,
+    name: str,
+    unit: str,
+    resolution: dict[str, Any],
+) -> Figure:
+    """Return the paper's figure of a model at several thresholds.
+
+    Parameters
+    ----------
+    fractions
+        Volume fractions.
+    outline
+        The geometry, drawn over the cells.
+    thresholds
+        One panel each.
+    name
+        The model, for the title.
+    unit
+        Unit of length of the geometry.
+    resolution
+        `min_cells` and `mixed_pinches`, as for `keep_cells`.
+    """
+    grid = fractions.grid
+    scale, unit = style.length_scale(max(grid.shape) * grid.cell_size, unit)
+    lower, upper = np.divide(grid.origin, scale), np.divide(grid.upper, scale)
+    ratio = (upper[1] - lower[1]) / (upper[0] - lower[0])
+    figure, axes = style.new_figure(
+        1, len(thresholds), width=3.6 * len(thresholds), height=3.3 * ratio + 0.9
+    )
+    for panel, threshold in zip(axes[0], thresholds, strict=True):
+        cells = keep_cells(fractions, threshold=threshold, **resolution)
+        is_removed = (fractions.cells >= threshold) & ~cells.kept
+        for mask, colour in ((cells.kept, style.MATERIAL), (is_removed, style.REMOVED)):
+            corners = np.argwhere(mask)[:, None] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+            points = grid.to_points(corners.reshape(-1, 2)) / scale
+            quads = np.arange(len(points)).reshape(-1, 4)
+            style.draw_polygons(panel, points, quads, colour=colour, line_width=0.15)
+        style.draw_outline(panel, outline, scale)
+        style.frame(panel, lower, upper, unit)
+        predicted = cells.predicted
+        panel.set_title(
+            f"threshold {100 * threshold:g} %\n"
+            rf"$\beta_0$ = {predicted.betti_0}, $\beta_1$ = {predicted.betti_1}"
+        )
+    handles = [
+        Patch(color=style.MATERIAL, label="kept cells"),
+        Patch(color=style.REMOVED, label=f"removed: fewer than {resolution['min_cells']} cells"),
+        Patch(color=style.OUTLINE, label="geometry, as it is"),
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
+    figure.suptitle(f"{name}, {grid.label} cells")
+    return figure

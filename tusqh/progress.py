@@ -1,0 +1,26 @@
+"""Progress of long work as log lines: at most one in two seconds, so that short work is silent."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable
+
+_SECONDS_BETWEEN_LINES = 2.0
+
+
+def log_progress(what: str) -> Callable[[int, int], None]:
+    """Return a function of (done, in all) that logs how far `what` is."""
+    logger = logging.getLogger("tusqh")
+    started = time.monotonic()
+    last = started
+
+    def report(done: int, total: int) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if now - last >= _SECONDS_BETWEEN_LINES and done < total:
+            last = now
+            left = (now - started) * (total - done) / max(done, 1)
+            logger.info("%s: %d %%, about %.0f s left", what, 100 * done // total, left)
+
+    return report

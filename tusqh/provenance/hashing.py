@@ -1,0 +1,23 @@
+"""SHA-256 of files and of plain values."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+
+def hash_file(path: Path) -> str:
+    """Return the SHA-256 of a file's bytes, in hexadecimal."""
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def canonical_json(value: Any) -> str:
+    """Return a value as JSON that depends on nothing but the value.
+
+    >>> canonical_json({"b": 1, "a": [2.5]})
+    '{\\n  "a": [\\n    2.5\\n  ],\\n  "b": 1\\n}\\n'
+    """
+    return json.dumps(value, indent=2, sort_keys=True, ensure_ascii=False) + "\n"

@@ -1,0 +1,125 @@
+"""The verdict of analysis suitability: one row per check, with what was found and required."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import pandas as pd
+
+from tusqh.errors import TusqhError
+from tusqh.mesh.betti import betti_by_boundary, betti_by_euler
+from tusqh.mesh.checks import Check, check_mesh
+from tusqh.mesh.jacobians import corner_jacobians
+from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.quality.surface import surface_measures
+from tusqh.quality.system_libraries import SystemLibraryError
+from tusqh.simulate.zero_modes import count_zero_modes
+from tusqh.topology.betti_numbers import BettiNumbers
+
+#: Smallest scaled Jacobian that the 1-5 template can make on square cells: sqrt(2)/2.
+SCALED_JACOBIAN_2D = math.sqrt(2) / 2
+
+#: Room for rounding in coordinates of 1e7 times the cell size.
+_ROUNDING = 1e-8
+
+
+def judge_mesh(
+    mesh: VolumeMesh, predicted: BettiNumbers, element_metrics: pd.DataFrame
+) -> list[Check]:
+    """Return every check of a mesh, by our own count, VTK, pymeshlab and MFEM.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    predicted
+        Betti numbers it must have.
+    element_metrics
+        VTK's metrics, see `tusqh.quality.elements.element_metrics`.
+    """
+    checks = check_mesh(mesh)
+    if not all(check.holds for check in checks):
+        return checks
+    checks += [
+        _equal("Betti numbers by Euler characteristic", betti_by_euler(mesh), predicted),
+        _equal("Betti numbers by boundary loops", betti_by_boundary(mesh), predicted),
+        _at_least(
+            "smallest scaled Jacobian",
+            float(corner_jacobians(mesh.points, mesh.cells)[1].min()),
+            SCALED_JACOBIAN_2D,
+        ),
+        _at_least(
+            "smallest scaled Jacobian by VTK",
+            float(element_metrics["scaled_jacobian"].min(skipna=False)),
+            SCALED_JACOBIAN_2D,
+        ),
+        _equal("zero modes of the stiffness matrix (MFEM)", *_zero_modes(mesh, predicted)),
+    ]
+    return checks + judge_surface(mesh, predicted)
+
+
+def judge_surface(
+    mesh: VolumeMesh,
+    predicted: BettiNumbers,
+    measure: Callable[[VolumeMesh], object] = surface_measures,
+) -> list[Check]:
+    """Return pymeshlab's view of the mesh as a surface; "not run" where it cannot be had."""
+    required = {
+        "non_manifold_edges": 0,
+        "non_manifold_vertices": 0,
+        "self_intersecting_faces": 0,
+        "unreferenced_vertices": 0,
+        "connected_components": predicted.betti_0,
+        "boundary_loops": predicted.betti_0 + predicted.betti_1,
+    }
+    names = {key: f"{key.replace('_', ' ')} (pymeshlab)" for key in required}
+    try:
+        measures = measure(mesh)
+    except SystemLibraryError as reason:
+        return [
+            Check(names[key], f"not run: {reason.found}", str(value), None)
+            for key, value in required.items()
+        ]
+    return [_equal(names[key], getattr(measures, key), value) for key, value in required.items()]
+
+
+def to_table(checks: list[Check]) -> pd.DataFrame:
+    """Return checks as a table: name, found, required, holds (yes, no or not run)."""
+    words = {True: "yes", False: "no", None: "not run"}
+    return pd.DataFrame(
+        [(c.name, str(c.found), c.required, words[c.holds]) for c in checks],
+        columns=["name", "found", "required", "holds"],
+    )
+
+
+def overall(checks: pd.DataFrame) -> str:
+    """Return the verdict over a table of checks: suitable, or how many checks fail or did not run.
+
+    Examples
+    --------
+    >>> overall(to_table([Check("a", 0, "0", True), Check("b", 1, "0", False)]))
+    'not suitable: 1 check fails'
+    """
+    n_failed = int((checks["holds"] == "no").sum())
+    n_missing = int((checks["holds"] == "not run").sum())
+    if n_failed:
+        return f"not suitable: {n_failed} check{'s' if n_failed > 1 else ''} " + (
+            "fail" if n_failed > 1 else "fails"
+        )
+    return f"suitable ({n_missing} not run)" if n_missing else "suitable"
+
+
+def _zero_modes(mesh: VolumeMesh, predicted: BettiNumbers) -> tuple[object, int]:
+    try:
+        return count_zero_modes(mesh), predicted.betti_0
+    except TusqhError as reason:
+        return f"rejected: {reason.found}", predicted.betti_0
+
+
+def _equal(name: str, found: object, required: object) -> Check:
+    return Check(name, found, str(required), found == required)
+
+
+def _at_least(name: str, found: float, required: float) -> Check:
+    return Check(name, f"{found:.6f}", f">= {required:.6f}", found >= required - _ROUNDING)

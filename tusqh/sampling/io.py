@@ -1,0 +1,49 @@
+"""Fractions on disk: an npz file of exact integers and the grid they belong to."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from tusqh.atomic import replacing
+from tusqh.errors import SamplingError
+from tusqh.grid import BackgroundGrid
+from tusqh.sampling.fractions import RESOLUTION, VolumeFractions
+
+
+def save_fractions(path: Path, fractions: VolumeFractions) -> None:
+    """Write fractions as integer multiples of `RESOLUTION`; whole or not at all."""
+    with replacing(path) as temporary:
+        np.savez_compressed(
+            temporary,
+            multiples=np.rint(fractions.values / RESOLUTION).astype(np.int64),
+            samples=np.int64(fractions.samples),
+            grid=np.array(json.dumps(fractions.grid.to_dict())),
+        )
+
+
+def load_fractions(path: Path) -> VolumeFractions:
+    """Return the fractions in a file that `save_fractions` wrote, bit for bit.
+
+    Raises
+    ------
+    SamplingError
+        The file is missing or is not such a file.
+    """
+    try:
+        with np.load(path) as content:
+            return VolumeFractions(
+                grid=BackgroundGrid.from_dict(json.loads(str(content["grid"]))),
+                samples=int(content["samples"]),
+                values=content["multiples"] * RESOLUTION,
+            )
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as reason:
+        raise SamplingError(
+            f"cannot be read as volume fractions: {reason}",
+            where=str(path),
+            expected="a file written by the sample step",
+            remedy="run the sample step again",
+        ) from reason

@@ -1,0 +1,70 @@
+rule figure_thresholds:
+    input:
+        geometry="results/{model}/geometry.vtp",
+        fractions="results/{model}/fractions.npz",
+    output:
+        figure=report("results/{model}/figures/thresholds.png", "../report/thresholds.rst", category="{model}"),
+        record="results/provenance/{model}/figure_thresholds.json",
+        record_how="results/provenance/{model}/figure_thresholds.how.json",
+    params:
+        resolution=of_model("min_cells", "mixed_pinches"),
+        drawing=of_model("panels", "unit"),
+    log:
+        "results/{model}/logs/figure_thresholds.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/figure_thresholds.py"
+
+
+rule figure_diagram:
+    input:
+        pairs="results/{model}/diagram.csv",
+        threshold="results/{model}/threshold.json",
+    output:
+        figure=report("results/{model}/figures/diagram.png", "../report/diagram.rst", category="{model}"),
+        record="results/provenance/{model}/figure_diagram.json",
+        record_how="results/provenance/{model}/figure_diagram.how.json",
+    log:
+        "results/{model}/logs/figure_diagram.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/figure_diagram.py"
+
+
+rule figure_antialias:
+    input:
+        fractions="results/{model}/fractions.npz",
+        mesh="results/{model}/mesh.vtu",
+        threshold="results/{model}/threshold.json",
+    output:
+        figure=report("results/{model}/figures/antialias.png", "../report/antialias.rst", category="{model}"),
+        record="results/provenance/{model}/figure_antialias.json",
+        record_how="results/provenance/{model}/figure_antialias.how.json",
+    params:
+        drawing=of_model("unit"),
+    log:
+        "results/{model}/logs/figure_antialias.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/figure_antialias.py"
+
+
+rule figure_contaminant:
+    input:
+        snapshots=expand("results/{{model}}/simulation/{file}", file=SNAPSHOT_FILES),
+        table="results/{model}/simulation/mass.csv",
+    output:
+        figure=report("results/{model}/figures/contaminant.png", "../report/contaminant.rst", category="{model}"),
+        record="results/provenance/{model}/figure_contaminant.json",
+        record_how="results/provenance/{model}/figure_contaminant.how.json",
+    params:
+        drawing=of_model("unit"),
+    log:
+        "results/{model}/logs/figure_contaminant.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/figure_contaminant.py"

@@ -1,0 +1,15 @@
+rule quality:
+    input:
+        mesh="results/{model}/mesh.vtu",
+        facts="results/{model}/mesh.json",
+    output:
+        elements=report("results/{model}/elements.csv", "../report/elements.rst", category="{model}"),
+        verdict=report("results/{model}/verdict.csv", "../report/verdict.rst", category="{model}"),
+        record="results/provenance/{model}/quality.json",
+        record_how="results/provenance/{model}/quality.how.json",
+    log:
+        "results/{model}/logs/quality.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/quality.py"

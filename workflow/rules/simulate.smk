@@ -1,0 +1,18 @@
+rule simulate:
+    input:
+        mesh="results/{model}/mesh.vtu",
+    output:
+        collection="results/{model}/simulation/concentration.pvd",
+        snapshots=expand("results/{{model}}/simulation/{file}", file=SNAPSHOT_FILES),
+        table=report("results/{model}/simulation/mass.csv", "../report/mass.rst", category="{model}"),
+        record="results/provenance/{model}/simulate.json",
+        record_how="results/provenance/{model}/simulate.how.json",
+    params:
+        release=of_model("simulation"),
+        steps=SNAPSHOTS,
+    log:
+        "results/{model}/logs/simulate.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/simulate.py"

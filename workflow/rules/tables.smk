@@ -1,0 +1,18 @@
+rule tables:
+    input:
+        facts=expand("results/{model}/mesh.json", model=MODELS),
+        verdicts=expand("results/{model}/verdict.csv", model=MODELS),
+        masses=expand("results/{model}/simulation/mass.csv", model=MODELS),
+        verifications=expand("results/{model}/verification.csv", model=MODELS),
+    output:
+        summary=report("results/tables/summary.csv", "../report/summary.rst", category="Tables"),
+        markdown="results/tables/summary.md",
+        verification=report("results/tables/verification.csv", "../report/verification.rst", category="Tables"),
+        record="results/provenance/tables.json",
+        record_how="results/provenance/tables.how.json",
+    log:
+        "results/tables/logs/tables.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/tables.py"

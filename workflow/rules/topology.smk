@@ -1,0 +1,35 @@
+rule persistence:
+    input:
+        fractions="results/{model}/fractions.npz",
+    output:
+        pairs=report("results/{model}/diagram.csv", "../report/diagram.rst", category="{model}"),
+        plateaus="results/{model}/plateaus.csv",
+        record="results/provenance/{model}/persistence.json",
+        record_how="results/provenance/{model}/persistence.how.json",
+    log:
+        "results/{model}/logs/persistence.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/persistence.py"
+
+
+rule select:
+    input:
+        fractions="results/{model}/fractions.npz",
+        plateaus="results/{model}/plateaus.csv",
+    output:
+        threshold="results/{model}/threshold.json",
+        topologies=report("results/{model}/topologies.csv", "../report/topologies.rst", category="{model}"),
+        candidates="results/{model}/candidates.csv",
+        record="results/provenance/{model}/select.json",
+        record_how="results/provenance/{model}/select.how.json",
+    params:
+        wanted=of_model("threshold", "target"),
+        resolution=of_model("min_cells", "mixed_pinches"),
+    log:
+        "results/{model}/logs/select.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/select.py"

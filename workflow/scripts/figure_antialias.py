@@ -1,0 +1,17 @@
+import json
+from pathlib import Path
+
+from tusqh.figures import style
+from tusqh.figures.antialias import draw_antialias
+from tusqh.mesh.export import read_vtu
+from tusqh.provenance.record import recorded
+from tusqh.sampling.io import load_fractions
+
+with recorded(snakemake) as log:
+    figure = draw_antialias(
+        load_fractions(Path(snakemake.input.fractions)),
+        read_vtu(Path(snakemake.input.mesh), name=snakemake.wildcards.model),
+        threshold=json.loads(Path(snakemake.input.threshold).read_text())["threshold"],
+        unit=snakemake.params.drawing["unit"],
+    )
+    style.save(figure, Path(snakemake.output.figure))

@@ -1,0 +1,16 @@
+import json
+from pathlib import Path
+
+import pandas as pd
+
+from tusqh.figures import style
+from tusqh.figures.diagram import draw_diagram
+from tusqh.provenance.record import recorded
+
+with recorded(snakemake) as log:
+    figure = draw_diagram(
+        pd.read_csv(snakemake.input.pairs),
+        threshold=json.loads(Path(snakemake.input.threshold).read_text())["threshold"],
+        name=snakemake.wildcards.model,
+    )
+    style.save(figure, Path(snakemake.output.figure))
