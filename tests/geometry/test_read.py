@@ -152,7 +152,7 @@ def test_dxf_curves_stay_within_the_tolerance(tmp_path):
     for points in chains:
         radius = np.linalg.norm(points - [1, 2], axis=1)
         middle = np.linalg.norm((points[1:] + points[:-1]) / 2 - [1, 2], axis=1)
-        assert radius == pytest.approx(3, rel=1e-5)
+        assert radius == pytest.approx(3, rel=3e-4)  # Bulges go through Bezier curves.
         assert 3 - middle.min() <= CHORD_TOLERANCE * 6 * 1.5
     is_closed = [(points[0] == points[-1]).all() for points in chains]
     assert is_closed == [True, False, True, True]
@@ -160,8 +160,8 @@ def test_dxf_curves_stay_within_the_tolerance(tmp_path):
 
 def test_dxf_splines_close_by_their_flag(tmp_path):
     def draw(document, space):
-        space.add_closed_spline([(0, 0), (1, 0), (1, 1), (0, 1)])
-        space.add_open_spline([(0, 0), (1, 0), (1, 1), (0, 1)])
+        space.add_spline().set_closed([(0, 0), (1, 0), (1, 1), (0, 1)])
+        space.add_spline().set_open_uniform([(0, 0), (1, 0), (1, 1), (0, 1)])
 
     closed, opened = (np.array(c) for c in chains_of(dxf(tmp_path / "a.dxf", draw)))
     assert (closed[0] == closed[-1]).all()

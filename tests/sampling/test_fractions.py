@@ -18,8 +18,11 @@ def loop(points):
 
 
 def random_outline(rng, n_chains=3):
+    # Something of every outline winds positively: the last chain is a counter-clockwise square.
     chains = [rng.uniform(-0.5, 1.5, (rng.integers(3, 6), 2)) for _ in range(n_chains)]
-    return Outline.from_chains([loop(c) if rng.random() < 0.5 else c for c in chains])
+    chains = [loop(c) if rng.random() < 0.5 else c for c in chains]
+    big = loop([[-0.4, -0.2], [1.4, -0.2], [1.4, 1.2], [-0.4, 1.2]])
+    return Outline.from_chains([*chains, big, big, big])
 
 
 def brute_force_fraction(outline, grid, samples, doubled):

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import os
+import json
 from pathlib import Path
 
 import numpy as np
-import pyvista
 
+from tusqh.atomic import replacing
 from tusqh.errors import GeometryError
 from tusqh.geometry.outline import Outline
 
@@ -25,6 +25,8 @@ def write_outline(path: Path, outline: Outline) -> None:
     GeometryError
         The name does not end in ``.vtp``.
     """
+    import pyvista
+
     _check_suffix(path)
     n_points, n_segments = len(outline.points), outline.n_segments
     mesh = pyvista.PolyData(
@@ -32,13 +34,9 @@ def write_outline(path: Path, outline: Outline) -> None:
         lines=np.column_stack([np.full(n_segments, 2), outline.segments]).ravel(),
     )
     mesh.cell_data["chain"] = outline.chains
-    mesh.field_data["name"] = [outline.name]
-    partial = path.with_name(f".{path.stem}.{os.getpid()}{_SUFFIX}")
-    try:
-        mesh.save(partial, binary=True)
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+    mesh.field_data["name"] = [json.dumps(outline.name)]  # VTK strings are ASCII
+    with replacing(path) as temporary:
+        mesh.save(temporary, binary=True)
 
 
 def load_outline(path: Path) -> Outline:
@@ -49,6 +47,8 @@ def load_outline(path: Path) -> Outline:
     GeometryError
         The file is missing or is not an outline file.
     """
+    import pyvista
+
     _check_suffix(path)
     if not path.is_file():
         raise GeometryError(
@@ -62,7 +62,7 @@ def load_outline(path: Path) -> Outline:
         points = np.array(mesh.points[:, :2], dtype=np.float64)
         segments = np.array(mesh.lines, dtype=np.int64).reshape(-1, 3)[:, 1:]
         chains = np.array(mesh.cell_data["chain"], dtype=np.int64)
-        name = str(mesh.field_data["name"][0])
+        name = str(json.loads(str(mesh.field_data["name"][0])))
     except (KeyError, ValueError, AttributeError, IndexError, OSError, RuntimeError) as error:
         raise GeometryError(
             f"the file is not an outline: {error}",

@@ -1,0 +1,87 @@
+"""A volume mesh as MFEM's own mesh, after our checks passed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tusqh.errors import MeshError, SimulationError
+from tusqh.mesh.checks import require_sound
+from tusqh.mesh.volume_mesh import VolumeMesh
+
+
+def to_mfem(mesh: VolumeMesh) -> Any:
+    """Return the `mfem.ser.Mesh` of a mesh of quads or hexes.
+
+    MFEM accepts pinched, inverted, flat and orphaned input without a word and can crash the
+    process on a bad index, so `require_sound` comes first.
+
+    Raises
+    ------
+    SimulationError
+        Our checks or MFEM reject the mesh; the message names the model.
+    """
+    if mesh.n_cells == 0:
+        raise _rejected(mesh, "it has no elements")
+    try:
+        require_sound(mesh)
+    except MeshError as reason:
+        raise _rejected(mesh, reason.found) from reason
+    try:
+        native = _from_arrays(mesh)
+    except RuntimeError as reason:
+        raise _rejected(mesh, f"MFEM says: {reason}") from reason
+    n_wrong = native.CheckElementOrientation(False)
+    if native.GetNV() != len(mesh.points) or native.GetNE() != mesh.n_cells or n_wrong:
+        raise _rejected(
+            mesh,
+            f"MFEM counts {native.GetNV()} vertices, {native.GetNE()} elements and {n_wrong} "
+            f"wrongly oriented ones instead of {len(mesh.points)}, {mesh.n_cells} and 0",
+        )
+    return native
+
+
+def _from_arrays(mesh: VolumeMesh) -> Any:
+    """Return the MFEM mesh that owns a copy of the arrays; MFEM makes the boundary itself."""
+    import mfem.ser as mfem
+
+    coordinates = np.zeros((len(mesh.points), 3))
+    coordinates[:, : mesh.dim] = mesh.points
+    vertices = mfem.Vector(coordinates.size)
+    vertices.GetDataArray()[:] = coordinates.ravel()
+    corners, attributes = mfem.intArray(mesh.cells.size), mfem.intArray(mesh.n_cells)
+    corners.GetDataArray()[:] = mesh.cells.ravel()
+    attributes.GetDataArray()[:] = 1
+    none = mfem.intArray(1)
+    is_2d = mesh.dim == 2
+    shape = mfem.Geometry.SQUARE if is_2d else mfem.Geometry.CUBE
+    side = mfem.Geometry.SEGMENT if is_2d else mfem.Geometry.SQUARE
+    borrowed = mfem.Mesh(
+        *(vertices.GetData(), len(mesh.points)),
+        *(corners.GetData(), shape, attributes.GetData(), mesh.n_cells),
+        *(none.GetData(), side, none.GetData(), 0),
+        *(mesh.dim, mesh.dim),
+    )
+    native = mfem.Mesh(borrowed, True)
+    native.Finalize(False, False)
+    return native
+
+
+def to_sparse(matrix: Any) -> Any:
+    """Return an MFEM sparse matrix as a `scipy.sparse.csr_matrix` that owns its memory."""
+    from scipy.sparse import csr_matrix
+
+    arrays = (matrix.GetDataArray(), matrix.GetJArray(), matrix.GetIArray())
+    return csr_matrix(
+        tuple(np.array(a) for a in arrays), shape=(matrix.Height(), matrix.Width())
+    )
+
+
+def _rejected(mesh: VolumeMesh, why: str) -> SimulationError:
+    return SimulationError(
+        f"the mesh of {mesh.name!r} cannot be simulated on: {why}",
+        where=mesh.name,
+        expected="a conforming, manifold mesh of valid elements",
+        remedy="look at the model's verdict.csv for the check that fails",
+    )

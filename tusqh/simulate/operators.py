@@ -1,0 +1,85 @@
+"""Mass and stiffness matrices of H1 elements, assembled by MFEM."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tusqh.grid import FloatArray, IntArray
+from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.simulate.mfem_mesh import to_mfem, to_sparse
+
+
+@dataclass(frozen=True)
+class Operators:
+    """The discrete problem on a mesh.
+
+    Parameters
+    ----------
+    mass, stiffness
+        Sparse matrices of the forms (u, v) and (grad u, grad v), shape (n_dofs, n_dofs).
+    nodes
+        Where the degrees of freedom are, shape (n_dofs, dim).
+    points, cells
+        The mesh after refinement; at order 1 the points are the nodes.
+    """
+
+    mass: Any
+    stiffness: Any
+    nodes: FloatArray
+    points: FloatArray
+    cells: IntArray
+
+
+def assemble(mesh: VolumeMesh, *, refinements: int = 0, order: int = 1) -> Operators:
+    """Return the matrices of H1 elements with natural (zero-flux) boundary conditions.
+
+    Parameters
+    ----------
+    mesh
+        The mesh; checked first.
+    refinements
+        Uniform refinements before the assembly.
+    order
+        Polynomial order of the elements.
+
+    Raises
+    ------
+    SimulationError
+        The mesh is rejected, see `tusqh.simulate.mfem_mesh.to_mfem`.
+    """
+    import mfem.ser as mfem
+
+    native = to_mfem(mesh)
+    for _ in range(refinements):
+        native.UniformRefinement()
+    space = mfem.FiniteElementSpace(native, mfem.H1_FECollection(order, mesh.dim))
+    mass, stiffness = mfem.BilinearForm(space), mfem.BilinearForm(space)
+    mass.AddDomainIntegrator(mfem.MassIntegrator())
+    stiffness.AddDomainIntegrator(mfem.DiffusionIntegrator())
+    for form in (mass, stiffness):
+        form.Assemble()
+        form.Finalize()
+    points = np.array(native.GetVertexArray(), dtype=np.float64).reshape(native.GetNV(), -1)
+    cells = np.array([native.GetElementVertices(e) for e in range(native.GetNE())])
+    return Operators(
+        mass=to_sparse(mass.SpMat()),
+        stiffness=to_sparse(stiffness.SpMat()),
+        nodes=points[:, : mesh.dim] if order == 1 else _nodes(native, order, mesh.dim),
+        points=points[:, : mesh.dim],
+        cells=cells.astype(np.int64),
+    )
+
+
+def _nodes(native: Any, order: int, dim: int) -> FloatArray:
+    """Return the positions of the degrees of freedom of elements of higher order."""
+    import mfem.ser as mfem
+
+    vector_space = mfem.FiniteElementSpace(
+        native, mfem.H1_FECollection(order, dim), dim, mfem.Ordering.byVDIM
+    )
+    nodes = mfem.GridFunction(vector_space)
+    native.GetNodes(nodes)
+    return np.array(nodes.GetDataArray()).reshape(-1, dim)

@@ -1,0 +1,21 @@
+from pathlib import Path
+
+from tusqh.mesh.export import read_vtu
+from tusqh.progress import log_progress
+from tusqh.provenance.record import recorded
+from tusqh.simulate.diffusion import simulate_diffusion
+from tusqh.simulate.snapshots import write_snapshots
+from tusqh.tables import write_csv
+
+with recorded(snakemake) as log:
+    mesh = read_vtu(Path(snakemake.input.mesh), name=snakemake.wildcards.model)
+    result = simulate_diffusion(
+        mesh,
+        steps=snakemake.params.steps,
+        progress=log_progress("time steps"),
+        **snakemake.params.release["simulation"],
+    )
+    log.info("%d elements, %d unknowns", len(result.cells), result.fields.shape[1])
+    files = [Path(path) for path in snakemake.output.snapshots]
+    write_snapshots(Path(snakemake.output.collection), files, result)
+    write_csv(Path(snakemake.output.table), result.table)
