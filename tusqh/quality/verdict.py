@@ -12,7 +12,7 @@ from tusqh.mesh.betti import betti_by_boundary, betti_by_euler
 from tusqh.mesh.checks import Check, check_mesh
 from tusqh.mesh.jacobians import corner_jacobians
 from tusqh.mesh.volume_mesh import VolumeMesh
-from tusqh.quality.surface import surface_measures
+from tusqh.quality.surface import measure_overlap, surface_measures
 from tusqh.quality.system_libraries import SystemLibraryError
 from tusqh.simulate.zero_modes import count_zero_modes
 from tusqh.topology.betti_numbers import BettiNumbers
@@ -54,6 +54,7 @@ def judge_mesh(
             float(element_metrics["scaled_jacobian"].min(skipna=False)),
             SCALED_JACOBIAN_2D,
         ),
+        _at_most("share of the area covered twice", measure_overlap(mesh), 1e-9),
         _equal("zero modes of the stiffness matrix (MFEM)", *_zero_modes(mesh, predicted)),
     ]
     return checks + judge_surface(mesh, predicted)
@@ -123,3 +124,7 @@ def _equal(name: str, found: object, required: object) -> Check:
 
 def _at_least(name: str, found: float, required: float) -> Check:
     return Check(name, f"{found:.6f}", f">= {required:.6f}", found >= required - _ROUNDING)
+
+
+def _at_most(name: str, found: float, required: float) -> Check:
+    return Check(name, f"{found:.1e}", f"<= {required:g}", found <= required)

@@ -5,6 +5,7 @@ from snakemake.exceptions import WorkflowError
 
 from tusqh.config import load_config
 from tusqh.errors import TusqhError
+from tusqh.quality.system_libraries import describe_missing
 
 ENVIRONMENT = "../../environment.yml"
 FIGURES = ["thresholds", "diagram", "antialias", "contaminant"]
@@ -17,6 +18,9 @@ try:
     )
 except TusqhError as error:
     raise WorkflowError(f"configuration error in {error}")
+
+if describe_missing():
+    logger.warning(describe_missing())
 
 MODELS = SETTINGS["models"]
 SWEEP = SETTINGS["sweep"]
