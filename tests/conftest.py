@@ -21,7 +21,9 @@ def repository() -> Path:
 @pytest.fixture
 def square() -> Outline:
     """The unit square, counter-clockwise."""
-    return Outline.from_chains([np.array([[0.0, 0], [1, 0], [1, 1], [0, 1], [0, 0]])], name="square")
+    return Outline.from_chains(
+        [np.array([[0.0, 0], [1, 0], [1, 1], [0, 1], [0, 0]])], name="square"
+    )
 
 
 def make_fractions(cells, vertices=None) -> VolumeFractions:

@@ -44,9 +44,7 @@ def betti_by_rank(cells) -> tuple[int, int, int]:
 
 def simplicial_betti_by_rank(simplices: list[np.ndarray]) -> list[int]:
     """Betti numbers of a simplicial complex given by its k-simplices, over GF(2)."""
-    index = [
-        {tuple(sorted(row)): i for i, row in enumerate(level.tolist())} for level in simplices
-    ]
+    index = [{tuple(sorted(row)): i for i, row in enumerate(level.tolist())} for level in simplices]
     ranks = [0]
     for k in range(1, len(simplices)):
         columns = []

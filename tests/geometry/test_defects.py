@@ -242,9 +242,7 @@ def lattice_chains(draw):
     corner = st.tuples(st.integers(0, 4), st.integers(0, 4))
     chains = draw(st.lists(st.lists(corner, min_size=2, max_size=7), min_size=1, max_size=4))
     closing = draw(st.lists(st.booleans(), min_size=len(chains), max_size=len(chains)))
-    return [
-        chain + chain[:1] * is_closed for chain, is_closed in zip(chains, closing, strict=True)
-    ]
+    return [chain + chain[:1] * is_closed for chain, is_closed in zip(chains, closing, strict=True)]
 
 
 SWAPPED = {

@@ -152,19 +152,29 @@ def test_dxf_curves_stay_within_the_tolerance(tmp_path):
     for points in chains:
         radius = np.linalg.norm(points - [1, 2], axis=1)
         middle = np.linalg.norm((points[1:] + points[:-1]) / 2 - [1, 2], axis=1)
-        assert radius == pytest.approx(3, rel=3e-4)  # Bulges go through Bezier curves.
+        assert radius == pytest.approx(3, rel=1e-6)
         assert 3 - middle.min() <= CHORD_TOLERANCE * 6 * 1.5
     is_closed = [(points[0] == points[-1]).all() for points in chains]
     assert is_closed == [True, False, True, True]
 
 
-def test_dxf_splines_are_flattened(tmp_path):
-    def draw(document, space):
-        space.add_spline().set_open_uniform([(0, 0), (1, 0), (1, 1), (0, 1)])
+def test_dxf_splines_close_by_their_flag(tmp_path):
+    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 
-    (opened,) = (np.array(c) for c in chains_of(dxf(tmp_path / "a.dxf", draw)))
+    def draw(document, space):
+        space.add_spline().set_open_uniform(corners)
+        space.add_spline().set_closed(corners)
+        space.add_spline(fit_points=corners).closed = True
+
+    opened, periodic, fitted = (np.array(c) for c in chains_of(dxf(tmp_path / "a.dxf", draw)))
     assert opened[[0, -1]] == pytest.approx(np.array([[0, 0], [0, 1]]))
-    assert len(opened) > 10
+    assert (periodic[0] == periodic[-1]).all()
+    assert (fitted[0] == fitted[-1]).all()
+    # The periodic cubic stays inside its corners: it is smooth, symmetric and starts there.
+    assert periodic[0] == pytest.approx([5 / 6, 1 / 6])
+    assert periodic.min() == pytest.approx(1 - periodic.max())
+    assert 0 < periodic.min() < 0.2
+    assert min(len(opened), len(periodic)) > 10
 
 
 def test_dxf_blocks_are_exploded(tmp_path):

@@ -92,9 +92,7 @@ def test_far_from_the_origin_nothing_changes(square):
     shift = np.array([4.0e6, -3.0e6])
     far = Outline.from_chains([square.points + shift])
     grid = BackgroundGrid(GRID.shape, GRID.cell_size, tuple(np.add(GRID.origin, shift)))
-    assert np.array_equal(
-        sample_fractions(far, grid).values, sample_fractions(square, GRID).values
-    )
+    assert np.array_equal(sample_fractions(far, grid).values, sample_fractions(square, GRID).values)
 
 
 @pytest.mark.parametrize("samples", [0, 1, 3, -2, 2.0, True])

@@ -21,7 +21,9 @@ def test_a_flat_box_is_refused():
         lay_grid(line, None, cells=4)
 
 
-@pytest.mark.parametrize("size", [{"cells": 0}, {"cell_size": -1.0}, {"cells": 3, "cell_size": 1}, {}])
+@pytest.mark.parametrize(
+    "size", [{"cells": 0}, {"cell_size": -1.0}, {"cells": 3, "cell_size": 1}, {}]
+)
 def test_sizes_without_meaning_are_refused(square, size):
     with pytest.raises(SamplingError):
         lay_grid(square, None, **size)

@@ -40,9 +40,7 @@ def neighbourhood_codes(kept: BoolArray) -> IntArray:
     codes = np.zeros(tuple(n + 1 for n in kept.shape), dtype=np.int64)
     for bit in range(2**dim):
         upper = [bit >> axis & 1 for axis in range(dim)]
-        window = tuple(
-            slice(u, u + n + 1) for u, n in zip(upper, kept.shape, strict=True)
-        )
+        window = tuple(slice(u, u + n + 1) for u, n in zip(upper, kept.shape, strict=True))
         codes |= padded[window].astype(np.int64) << bit
     return codes
 

@@ -72,7 +72,9 @@ def draw_antialias(
     return figure
 
 
-def _busiest(is_pinch: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> tuple[IntArray, IntArray]:
+def _busiest(
+    is_pinch: np.ndarray[tuple[int, ...], np.dtype[np.bool_]],
+) -> tuple[IntArray, IntArray]:
     """Return the corners, in cells, of the square with the most pinches."""
     size = np.minimum(_CLOSE_UP, np.subtract(is_pinch.shape, 1))
     density = ndimage.uniform_filter(is_pinch.astype(float), size=tuple(size), mode="constant")

@@ -27,7 +27,7 @@ def draw_diagram(pairs: pd.DataFrame, *, threshold: float, name: str) -> Figure:
     name
         The model, for the title.
     """
-    figure, axes = style.new_figure(1, 1, width=5.2, height=5.2)
+    figure, axes = style.new_figure(1, 1, width=5.6, height=5.2)
     panel = axes[0, 0]
     shown = pairs.assign(x=1 - pairs["birth"], y=1 - pairs["death"])
     shown.loc[shown["essential"], "y"] = _NEVER
@@ -35,7 +35,7 @@ def draw_diagram(pairs: pd.DataFrame, *, threshold: float, name: str) -> Figure:
     panel.plot([low, 1], [low, 1], color="black", linewidth=0.8)
     panel.axhline(_NEVER, color="black", linewidth=0.6, linestyle=":")
     panel.fill_between([low, 1 - threshold], 1 - threshold, 1.12, color="#000000", alpha=0.06)
-    panel.text(1.03, _NEVER, "never", va="center", ha="right", fontsize=8, backgroundcolor="white")
+    panel.text(1.04, _NEVER, "never\ndies", va="center", ha="left", fontsize=8)
     for dimension, of_dimension in shown.groupby("dimension"):
         k = int(str(dimension))
         points = of_dimension.groupby(["x", "y"], as_index=False).size()
@@ -53,9 +53,7 @@ def draw_diagram(pairs: pd.DataFrame, *, threshold: float, name: str) -> Figure:
             f"{int(alive.sum())} at the threshold",
         )
         for x, y, count in points[points["size"] > 1].to_numpy():
-            panel.annotate(
-                f"{count:.0f}", (x, y), (5, 2), textcoords="offset points", fontsize=6
-            )
+            panel.annotate(f"{count:.0f}", (x, y), (5, 2), textcoords="offset points", fontsize=6)
     panel.set_xlim(low, 1.03)
     panel.set_ylim(low, 1.12)
     panel.set_aspect("equal")

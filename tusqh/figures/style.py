@@ -62,10 +62,10 @@ def draw_polygons(
     axes: Axes, points: FloatArray, cells: IntArray, *, colour: Any, line_width: float = 0.0
 ) -> None:
     """Fill elements, given by their corners, with one colour or one each."""
+    # Without an edge of their own colour, neighbours show a white seam between them.
+    edge, width = ("#406070", line_width) if line_width else ("face", 0.3)
     axes.add_collection(
-        PolyCollection(
-            list(points[cells]), facecolors=colour, edgecolors="#406070", linewidths=line_width
-        )
+        PolyCollection(list(points[cells]), facecolors=colour, edgecolors=edge, linewidths=width)
     )
 
 

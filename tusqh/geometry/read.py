@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import ParseError
 
-import ezdxf
 import numpy as np
+from ezdxf.lldxf.const import DXFError
 
 from tusqh.errors import GeometryError
 from tusqh.geometry.outline import Outline
@@ -37,7 +37,7 @@ _PARSER_ERRORS = (
     RecursionError,
     ParseError,
     csv.Error,
-    ezdxf.DXFError,
+    DXFError,
 )
 
 

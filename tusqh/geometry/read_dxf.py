@@ -7,15 +7,15 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-import ezdxf
 import ezdxf.path
 import numpy as np
+from ezdxf.filemanagement import readfile
 
-from tusqh.geometry.read_svg import CHORD_TOLERANCE
+from tusqh.geometry.curves import CHORD_TOLERANCE, flatten_curve
 from tusqh.grid import FloatArray
 
-#: Bezier curves an arc is made of at least: as good as exact beside the chord tolerance.
-_ARC_PIECES = 4
+#: A polyline's arc becomes a third as many Bezier curves: a millionth of its radius off at most.
+_ARC_SEGMENTS = 24
 
 _POLYLINES = ("LWPOLYLINE", "POLYLINE")
 _CURVES = ("ARC", "CIRCLE", "ELLIPSE", "SPLINE")
@@ -30,7 +30,7 @@ def read_dxf_chains(path: Path) -> list[FloatArray]:
     the drawing.  A polyline closes only if its closed flag says so.  The third coordinate is
     dropped.
     """
-    space = ezdxf.readfile(path).modelspace()
+    space = readfile(path).modelspace()
     entities = [entity for entity in _exploded(space) if _is_line_work(entity)]
     extent = ezdxf.path.bbox(
         (ezdxf.path.make_path(entity) for entity in entities), fast=True
@@ -66,18 +66,30 @@ def _chain_of(entity: Any, tolerance: float) -> FloatArray:
     if kind in _POLYLINES:
         is_closed = bool(entity.closed if kind == "LWPOLYLINE" else entity.is_closed)
         if entity.has_arc:
-            path = ezdxf.path.make_path(entity, segments=_ARC_PIECES)
+            path = ezdxf.path.make_path(entity, segments=_ARC_SEGMENTS)
             return _closed(_as_points(path.flattening(tolerance)), is_closed)
         in_wcs = entity.vertices_in_wcs if kind == "LWPOLYLINE" else entity.points_in_wcs
         return _closed(_as_points(in_wcs()), is_closed)
-    points = _as_points(entity.flattening(tolerance))
     if kind == "SPLINE":
-        return _closed(points, bool(entity.closed))
+        return _closed(_flatten_spline(entity, tolerance), bool(entity.closed))
     is_full = kind == "CIRCLE" or (
         kind == "ELLIPSE"
         and math.isclose(abs(entity.dxf.end_param - entity.dxf.start_param), math.tau)
     )
-    return _closed(points, is_full)
+    return _closed(_as_points(entity.flattening(tolerance)), is_full)
+
+
+def _flatten_spline(entity: Any, tolerance: float) -> FloatArray:
+    """Return the polyline of a spline."""
+    spline = entity.construction_tool()
+    knots, degree = spline.knots(), spline.degree
+    # A periodic spline is defined only between these two of its knots; ezdxf walks them all.
+    first, last = knots[degree], knots[len(knots) - 1 - degree]
+    return flatten_curve(
+        lambda t: _as_points(spline.points(first + t * (last - first))),
+        tolerance,
+        fewest=4 * spline.count,
+    )
 
 
 def _as_points(vertices: Iterable[Any]) -> FloatArray:

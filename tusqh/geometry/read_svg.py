@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -13,14 +14,8 @@ from svgpathtools import Line, parse_path
 from svgpathtools.document import CONVERSIONS
 from svgpathtools.parser import parse_transform
 
+from tusqh.geometry.curves import CHORD_TOLERANCE, flatten_curve
 from tusqh.grid import FloatArray
-
-#: Largest distance of a curve from its polyline, relative to the larger side of the drawing:
-#: a hundredth of a cell in a grid of a hundred cells, so no volume fraction notices.
-CHORD_TOLERANCE = 1e-4
-
-#: No curve is cut finer than this, whatever the tolerance.
-MOST_CHORDS = 4096
 
 #: Elements whose content is drawn only when something else refers to it.
 _NOT_DRAWN = {"defs", "symbol", "clipPath", "mask", "marker", "pattern"}
@@ -49,7 +44,7 @@ def read_svg_chains(path: Path) -> list[FloatArray]:
         raise ValueError(f"the root element is <{_tag(root)}>, not <svg>")
     by_id = {element.get("id", ""): element for element in root.iter()}
     subpaths = list(_subpaths_of(root, np.eye(3), by_id))
-    rough = [_sample(subpath, lambda curve, _: _points_on(curve, 8)) for subpath in subpaths]
+    rough = [_flatten(subpath, np.inf) for subpath in subpaths]
     extent = float(np.ptp(np.concatenate(rough), axis=0).max()) if rough else 0.0
     return [_flatten(subpath, CHORD_TOLERANCE * extent) for subpath in subpaths]
 
@@ -92,43 +87,20 @@ def _continuous(curves: Any) -> Iterator[list[Any]]:
         yield run
 
 
-def _points_on(curve: Any, n_chords: int) -> FloatArray:
-    """Return equally spaced points on a curve, its ends exactly, shape (n_chords + 1, 2)."""
-    inner = [curve.point(t) for t in np.linspace(0.0, 1.0, n_chords + 1)[1:-1]]
+def _points_at(curve: Any, transform: FloatArray, parameters: FloatArray) -> FloatArray:
+    """Return transformed points on a curve, the y axis turned up, its ends exactly."""
+    inner = [curve.point(t) for t in parameters[1:-1]]
     numbers = np.array([curve.start, *inner, curve.end], dtype=np.complex128)
-    return np.column_stack([numbers.real, numbers.imag])
-
-
-def _apply(transform: FloatArray, points: FloatArray) -> FloatArray:
-    """Return transformed points with the y axis turned up."""
-    moved = points @ transform[:2, :2].T + transform[:2, 2]
+    moved = np.column_stack([numbers.real, numbers.imag]) @ transform[:2, :2].T + transform[:2, 2]
     return np.column_stack([moved[:, 0], 0.0 - moved[:, 1]])
 
 
-def _sample(subpath: _Subpath, points_of: Callable[[Any, FloatArray], FloatArray]) -> FloatArray:
-    """Return the points of all curves, the shared ends once, transformed."""
-    parts = [points_of(curve, subpath.transform) for curve in subpath.curves]
-    points = np.concatenate([parts[0][:1], *(part[1:] for part in parts)])
-    return _apply(subpath.transform, points)
-
-
 def _flatten(subpath: _Subpath, tolerance: float) -> FloatArray:
-    """Return the polyline that stays within the tolerance of a subpath."""
-    return _sample(subpath, lambda curve, transform: _chords(curve, transform, tolerance))
-
-
-def _chords(curve: Any, transform: FloatArray, tolerance: float) -> FloatArray:
-    """Return points on a curve, dense enough once the transform is applied."""
-    if isinstance(curve, Line):
-        return _points_on(curve, 1)
-    n_chords = 4
-    while n_chords < MOST_CHORDS:
-        # Three points inside every chord: one alone can sit on an inflection.
-        fine = _apply(transform, _points_on(curve, 4 * n_chords))
-        start, end = fine[:-1:4, None], fine[4::4, None]
-        weight = np.array([0.25, 0.5, 0.75])[:, None]
-        inside = fine[:-1].reshape(n_chords, 4, 2)[:, 1:]
-        if np.linalg.norm(inside - (start + weight * (end - start)), axis=2).max() <= tolerance:
-            break
-        n_chords *= 2
-    return _points_on(curve, n_chords)
+    """Return the polyline that stays within the tolerance of a subpath, shared ends once."""
+    parts = []
+    for curve in subpath.curves:
+        points_at = partial(_points_at, curve, subpath.transform)
+        is_straight = isinstance(curve, Line)
+        ends = np.array([0.0, 1.0])
+        parts.append(points_at(ends) if is_straight else flatten_curve(points_at, tolerance))
+    return np.concatenate([parts[0][:1], *(part[1:] for part in parts)])

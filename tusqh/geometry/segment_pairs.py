@@ -125,8 +125,8 @@ def _near_pairs(points: FloatArray, segments: IntArray, tolerance: float) -> Int
     boxes = shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1])
     left, right = shapely.STRtree(boxes).query(boxes)
     once = left < right
-    pairs = proper[np.column_stack([left[once], right[once]])]
-    return pairs[np.lexsort(pairs.T[::-1])]
+    pairs: IntArray = proper[np.column_stack([left[once], right[once]])].astype(np.int64)
+    return np.asarray(pairs[np.lexsort(pairs.T[::-1])])
 
 
 def _relative(

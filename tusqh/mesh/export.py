@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
+from tusqh.atomic import replacing
 from tusqh.errors import MeshError
 from tusqh.grid import FloatArray
 from tusqh.mesh.volume_mesh import KINDS, VolumeMesh
-from tusqh.atomic import replacing
 
 _VTK_QUAD, _VTK_HEXAHEDRON = 9, 12
 
@@ -83,7 +83,7 @@ def read_vtu(path: Path, *, name: str | None = None) -> VolumeMesh:
     zeros = np.zeros(len(cells), dtype=np.int64)
     kind = np.asarray(grid.cell_data.get("kind", zeros), dtype=np.int64)
     grid_cell = np.asarray(grid.cell_data.get("grid_cell", zeros - 1), dtype=np.int64)
-    if kind.size and not (0 <= kind.min() and kind.max() < len(KINDS)):
+    if kind.size and not (kind.min() >= 0 and kind.max() < len(KINDS)):
         kind = zeros
     return VolumeMesh(
         points=np.ascontiguousarray(grid.points[:, :dim], dtype=np.float64),

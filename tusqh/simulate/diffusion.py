@@ -228,7 +228,7 @@ def _tabulate(
             "mass_relative_error": mass / amount - 1,
             "concentration_min": smallest,
             "concentration_max": largest,
-            "undershoot": np.maximum(0.0, -smallest) / largest[0],
+            "undershoot": -np.minimum(0.0, smallest) / largest[0] + 0.0,
             "unit": f"kg/m^{dim}",
         }
     )

@@ -73,9 +73,7 @@ def to_sparse(matrix: Any) -> Any:
     from scipy.sparse import csr_matrix
 
     arrays = (matrix.GetDataArray(), matrix.GetJArray(), matrix.GetIArray())
-    return csr_matrix(
-        tuple(np.array(a) for a in arrays), shape=(matrix.Height(), matrix.Width())
-    )
+    return csr_matrix(tuple(np.array(a) for a in arrays), shape=(matrix.Height(), matrix.Width()))
 
 
 def _rejected(mesh: VolumeMesh, why: str) -> SimulationError:

@@ -81,7 +81,9 @@ def predict_plateaus(
     wide = plateaus.loc[widest].reset_index(drop=True)
     rows = []
     for done, threshold in enumerate((wide["upper"] + wide["lower"]) / 2, start=1):
-        cells = keep_cells(fractions, threshold=threshold, min_cells=min_cells, mixed_pinches=mixed_pinches)
+        cells = keep_cells(
+            fractions, threshold=threshold, min_cells=min_cells, mixed_pinches=mixed_pinches
+        )
         rows.append(
             {
                 "cells": int(cells.kept.sum()),
@@ -201,7 +203,9 @@ def fix_threshold(
             expected="a volume fraction in (0, 1]",
             remedy="use 0.5, or ask for Betti numbers with `target`",
         )
-    cells = keep_cells(fractions, threshold=threshold, min_cells=min_cells, mixed_pinches=mixed_pinches)
+    cells = keep_cells(
+        fractions, threshold=threshold, min_cells=min_cells, mixed_pinches=mixed_pinches
+    )
     if not cells.kept.any():
         raise TopologyError(
             f"no cell is left at threshold {threshold}",

@@ -101,9 +101,7 @@ def build_filtration(values: FloatArray) -> Filtration:
     for k in range(1, dim + 1):
         rows = [_place(number, parity, offsets) for parity, offsets in _star_simplices(dim, k)]
         simplices.append(np.concatenate(rows))
-    return Filtration(
-        values=padded[tuple(places.T)], positions=places - 2, simplices=simplices
-    )
+    return Filtration(values=padded[tuple(places.T)], positions=places - 2, simplices=simplices)
 
 
 def _has_node(shape: tuple[int, ...]) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
@@ -172,8 +170,7 @@ def _n_differences(a: Offset, b: Offset) -> int:
 def _interior(parity: Offset, offset: Offset, shape: tuple[int, ...]) -> tuple[slice, ...]:
     """Return the places of one parity, moved by an offset, without the outermost layers."""
     return tuple(
-        slice(1 + (p == 0) + o, n - 1 + o, 2)
-        for p, o, n in zip(parity, offset, shape, strict=True)
+        slice(1 + (p == 0) + o, n - 1 + o, 2) for p, o, n in zip(parity, offset, shape, strict=True)
     )
 
 

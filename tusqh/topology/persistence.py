@@ -70,9 +70,7 @@ def persistence_pairs(filtration: Filtration) -> pd.DataFrame:
     return pairs.sort_values(order, ascending=[True, False, False, True]).reset_index(drop=True)
 
 
-def locate_pairs(
-    pairs: pd.DataFrame, filtration: Filtration, grid: BackgroundGrid
-) -> pd.DataFrame:
+def locate_pairs(pairs: pd.DataFrame, filtration: Filtration, grid: BackgroundGrid) -> pd.DataFrame:
     """Return the pairs with the places, in model units, that create and destroy each class.
 
     The node columns give way to ``birth_x``, ``birth_y``, ..., ``death_x``, ..., empty (NaN)

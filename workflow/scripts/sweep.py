@@ -11,9 +11,7 @@ from tusqh.tables import verification_row, write_csv
 with recorded(snakemake) as log:
     fractions = load_fractions(Path(snakemake.input.fractions))
     model, rows = snakemake.wildcards.model, []
-    for path, threshold in zip(
-        snakemake.output.meshes, snakemake.params.thresholds, strict=True
-    ):
+    for path, threshold in zip(snakemake.output.meshes, snakemake.params.thresholds, strict=True):
         cells = keep_cells(fractions, threshold=threshold, **snakemake.params.resolution)
         mesh, _ = resolve(cells.kept, cells.decisions, fractions.grid, name=model)
         write_vtu(Path(path), mesh)

@@ -15,7 +15,9 @@ with recorded(snakemake) as log:
         for facts, verdict, mass in files
     )
     verification = pd.concat(map(pd.read_csv, snakemake.input.verifications), ignore_index=True)
-    log.info("%d of %d rows of the verification hold", verification["holds"].sum(), len(verification))
+    log.info(
+        "%d of %d rows of the verification hold", verification["holds"].sum(), len(verification)
+    )
     write_csv(Path(snakemake.output.summary), summary)
     write_markdown(Path(snakemake.output.markdown), summary)
     write_csv(Path(snakemake.output.verification), verification)

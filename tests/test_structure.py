@@ -1,0 +1,101 @@
+"""The house rules that a machine can keep: layers, linters, the lock, the data register."""
+
+import ast
+import csv
+import hashlib
+import re
+import subprocess
+import sys
+import tomllib
+
+import pytest
+import yaml
+from packaging.requirements import Requirement
+from packaging.version import Version
+
+LAYERS = [
+    *("errors", "atomic", "progress", "grid", "geometry", "sampling", "topology", "mesh"),
+    *("antialias", "threshold", "simulate", "quality", "figures", "tables", "provenance"),
+    *("config", "cli", "__main__"),
+]
+
+
+def test_modules_import_only_from_layers_above(repository):
+    for path in sorted((repository / "tusqh").rglob("*.py")):
+        parts = path.relative_to(repository / "tusqh").with_suffix("").parts
+        if parts == ("__init__",):
+            continue
+        own = LAYERS.index(parts[0])
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("tusqh."):
+                layer = node.module.split(".")[1]
+                assert LAYERS.index(layer) <= own, f"{path.name} imports {node.module}"
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["ruff", "check", "."],
+        ["ruff", "format", "--check", "."],
+        ["mypy", "--strict", "tusqh"],
+        ["snakemake", "--lint"],
+    ],
+    ids=" ".join,
+)
+def test_linters_are_content(repository, command):
+    done = subprocess.run(
+        [sys.executable, "-m", *command], cwd=repository, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def locked_versions(repository):
+    lines = (repository / "requirements.lock").read_text().splitlines()
+    pairs = [line.split("==") for line in lines if "==" in line]
+    return {name.lower().replace("_", "-"): Version(version) for name, version in pairs}
+
+
+def test_the_lock_satisfies_the_project_file(repository):
+    project = tomllib.loads((repository / "pyproject.toml").read_text())["project"]
+    locked = locked_versions(repository)
+    declared = [*project["dependencies"], *project["optional-dependencies"]["test"]]
+    for requirement in map(Requirement, declared):
+        name = requirement.name.lower().replace("_", "-")
+        assert locked[name] in requirement.specifier, name
+
+
+def test_the_conda_environment_says_the_same_as_the_project_file(repository):
+    project = tomllib.loads((repository / "pyproject.toml").read_text())["project"]
+    declared = [*project["dependencies"], *project["optional-dependencies"]["test"]]
+    expected = {Requirement(d).name.lower(): str(Requirement(d).specifier) for d in declared}
+    names = {"matplotlib-base": "matplotlib", "snakemake-minimal": "snakemake"}
+    listed = {}
+    environment = yaml.safe_load((repository / "environment.yml").read_text())
+    entries = [e for e in environment["dependencies"] if isinstance(e, str)]
+    entries += next(e["pip"] for e in environment["dependencies"] if isinstance(e, dict))
+    for entry in entries:
+        name, specifier = re.match(r"([\w.-]+)(.*)", entry).groups()
+        listed[names.get(name, name)] = specifier
+    assert listed.pop("python") == project["requires-python"]
+    listed.pop("pip")
+    assert listed == expected
+    locked = locked_versions(repository)
+    for name, specifier in listed.items():
+        assert locked[name] in Requirement(name + specifier).specifier
+
+
+def test_the_register_knows_every_models_file(repository):
+    config = yaml.safe_load((repository / "config/config.yaml").read_text())
+    rows = {
+        row["model"]: row
+        for row in csv.DictReader((repository / "data_sources/register.csv").open())
+    }
+    for name, model in config["models"].items():
+        assert rows[name]["file"] == model["geometry"]
+    for row in rows.values():
+        assert row["licence"]
+        if row["available"] == "yes":
+            content = (repository / row["file"]).read_bytes()
+            assert hashlib.sha256(content).hexdigest() == row["sha256"], row["model"]
+        else:
+            assert row["url"]
