@@ -43,6 +43,6 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a UTF-8 text file with ``\\n`` line ends, whole or not at all."""
+    r"""Write a UTF-8 text file with ``\n`` line ends, whole or not at all."""
     with replacing(path) as temporary:
         temporary.write_bytes(text.encode())

@@ -116,7 +116,8 @@ def validate(config: Mapping, schema: Mapping, *, where: str) -> None:
 
 def _explain(error: jsonschema.ValidationError) -> tuple[str, str, str]:
     """Return what was found, what is expected and what to do, for one schema violation."""
-    rule, value = error.validator, error.instance
+    rule: Any = error.validator
+    value: Any = error.instance
     schema: Mapping = error.schema if isinstance(error.schema, dict) else {}
     meaning = schema.get("description", "")
     if rule == "additionalProperties":
@@ -154,8 +155,8 @@ def _explain(error: jsonschema.ValidationError) -> tuple[str, str, str]:
         "minItems": lambda: f"at least {schema['minItems']} entries",
         "maxItems": lambda: f"at most {schema['maxItems']} entries",
     }
-    allowed = allowed_text.get(str(rule), lambda: error.message)()
-    expected = f"{allowed} ({meaning.rstrip('.')})" if meaning else allowed
+    limit = str(allowed_text.get(str(rule), lambda: error.message)())
+    expected = f"{limit} ({meaning.rstrip('.')})" if meaning else limit
     near = difflib.get_close_matches(str(value), [str(v) for v in schema.get("enum", [])], n=1)
     remedy = f"did you mean {near[0]!r}?" if near else "correct it; config/README.md has all keys"
     return f"found {_show(value)}", expected, remedy

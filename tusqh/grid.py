@@ -108,7 +108,7 @@ class BackgroundGrid:
             origin=tuple(o - self.cell_size for o in self.origin),
         )
 
-    def to_points(self, lattice: FloatArray) -> FloatArray:
+    def to_points(self, lattice: FloatArray | IntArray) -> FloatArray:
         """Return the points, shape (n, dim), of positions given in cells from the origin."""
         return np.asarray(self.origin) + self.cell_size * np.asarray(lattice, dtype=np.float64)
 

@@ -34,7 +34,7 @@ _CONFORMITY = {
 
 
 def write_csv(path: Path, table: pd.DataFrame) -> None:
-    """Write a table as CSV with ``\\n`` line ends and the shortest exact numbers."""
+    r"""Write a table as CSV with ``\n`` line ends and the shortest exact numbers."""
     write_text(path, table.to_csv(index=False, lineterminator="\n"))
 
 

@@ -1,4 +1,5 @@
 import time
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -229,9 +230,9 @@ def test_end_points_that_nearly_meet_are_neither_crossing_nor_touching():
 
 def test_decimal_coordinates_are_collinear_up_to_rounding():
     base = np.array([350_000.1, 4_200_000.3])
-    ends = [base, base + [30.3, 60.6]]
-    part = [base + [10.1, 20.2], base + [50.5, 101.0]]
-    rows = measured(outline_of(ends, part))
+    whole = base + np.array([[0.0, 0.0], [30.3, 60.6]])
+    part = base + np.array([[10.1, 20.2], [50.5, 101.0]])
+    rows = measured(outline_of(whole, part))
     assert rows["overlapping_segments"] == (1, pytest.approx(np.hypot(20.2, 40.4)))
     assert (rows["crossings"][0], rows["touching"][0]) == (0, 0)
 
@@ -283,7 +284,7 @@ def test_crossings_agree_with_exact_arithmetic(chains):
     def side(a, b, c):
         return np.sign((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 
-    segments = [pair for chain in chains for pair in zip(chain, chain[1:], strict=False)]
+    segments = [pair for chain in chains for pair in pairwise(chain)]
     n_crossings = sum(
         side(*s, t[0]) * side(*s, t[1]) < 0 and side(*t, s[0]) * side(*t, s[1]) < 0
         for i, s in enumerate(segments)

@@ -75,5 +75,5 @@ def test_some_other_mesh_is_not_an_outline(tmp_path):
 
 
 def test_wrong_suffix(tmp_path):
-    with pytest.raises(GeometryError, match="'.vtk'"):
+    with pytest.raises(GeometryError, match=r"'\.vtk'"):
         write_outline(tmp_path / "a.vtk", random_outline())

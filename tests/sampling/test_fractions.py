@@ -108,10 +108,10 @@ def test_double_sided_sheets_have_no_inside(square):
 
 
 def test_a_window_or_grid_that_misses_the_geometry_is_named(square):
-    with pytest.raises(SamplingError, match="the window .* misses the geometry"):
+    with pytest.raises(SamplingError, match=r"the window .* misses the geometry"):
         sample_fractions(square, GRID, window=((5.0, 5.0), (6.0, 6.0)))
     far = BackgroundGrid(shape=(2, 2), cell_size=1.0, origin=(50.0, 0.0))
-    with pytest.raises(SamplingError, match="the background grid .* misses"):
+    with pytest.raises(SamplingError, match=r"the background grid .* misses"):
         sample_fractions(square, far)
 
 

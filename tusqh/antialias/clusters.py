@@ -73,8 +73,8 @@ def decide_by_fraction(
     """Return the decision of every cluster: connect interior pinches, separate exterior ones.
 
     A pinch votes to connect when its sub-cell volume fraction is at least the threshold.  A
-    cluster that agrees follows its vote; a mixed one follows `mixed_pinches`, where an even split of
-    ``"majority"`` separates.
+    cluster that agrees follows its vote; a mixed one follows `mixed_pinches`, where an even split
+    of ``"majority"`` separates.
 
     Parameters
     ----------

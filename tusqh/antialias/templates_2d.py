@@ -1,13 +1,13 @@
-"""The 1-5 template: quads split into an inner cell and four trapezoids, some of which go.
+r"""The 1-5 template: quads split into an inner cell and four trapezoids, some of which go.
 
 ::
 
     3-----------2      A split cell has an inner cell, inset by a quarter, and one
-    | \\   2   / |      trapezoid per side.  To *separate*, kept cells at the pinch are
+    | \   2   / |      trapezoid per side.  To *separate*, kept cells at the pinch are
     |  3-----2  |      split and the trapezoids between them and the void go, so that the
     |3 |inner|1 |      cell draws back from the pinch.  To *connect*, empty cells at the
     |  0-----1  |      pinch are split and the trapezoids between them and the kept cells
-    | /   0   \\ |      are added, so that the kept cells meet side to side.
+    | /   0   \ |      are added, so that the kept cells meet side to side.
     0-----------1
 
 Outer sides of split cells stay whole, so that cells around them conform.
@@ -17,6 +17,7 @@ Source: the paper's 1-5 split, with the rule of the algorithm notes 4.3.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tusqh.antialias.clusters import CONNECT, SEPARATE
 from tusqh.grid import QUAD_CORNERS, QUAD_SIDES, BackgroundGrid, BoolArray, FloatArray, IntArray
@@ -28,7 +29,7 @@ INSET = 0.25
 
 
 def emit_quads(
-    kept: BoolArray, at_vertex: IntArray, grid: BackgroundGrid, *, name: str = "mesh"
+    kept: BoolArray, at_vertex: NDArray[np.int8], grid: BackgroundGrid, *, name: str = "mesh"
 ) -> tuple[VolumeMesh, IntArray]:
     """Return the mesh of kept cells with templates where `at_vertex` asks for them.
 
@@ -111,7 +112,7 @@ def emit_quads(
     return mesh, np.where(is_grid_vertex, used, -1)
 
 
-def _shifted(array: np.ndarray, by: IntArray, shape: tuple[int, ...]) -> np.ndarray:  # type: ignore[type-arg]
+def _shifted(array: np.ndarray, by: IntArray, shape: tuple[int, ...]) -> np.ndarray:
     """Return the view of `shape` that starts at `by`."""
     return array[tuple(slice(b, b + n) for b, n in zip(by, shape, strict=True))]
 

@@ -50,17 +50,19 @@ def draw_contaminant(
     ratio = (upper[1] - lower[1]) / (upper[0] - lower[0])
     figure, axes = style.new_figure(2, 3, width=10.5, height=2 * (2.45 * ratio + 0.5))
     largest = max(float(field.max()) for field in fields)
-    norm = LogNorm(largest * 10.0**-_DECADES, largest)
-    image = None
+    smallest = largest * 10.0**-_DECADES
+    norm = LogNorm(smallest, largest)
+    images = []
     for panel, field, row in zip(axes.ravel(), fields, table.itertuples(), strict=True):
-        shown = np.maximum(field, norm.vmin)
+        shown = np.maximum(field, smallest)
         image = panel.tripcolor(
             *points.T, triangles, shown, norm=norm, shading="gouraud", cmap="viridis"
         )
+        images.append(image)
         style.frame(panel, lower, upper, unit)
         panel.xaxis.set_major_locator(MaxNLocator(4))
         panel.set_title(f"step {row.step}: {_duration(float(str(row.time_s)))}")
-    bar = figure.colorbar(image, ax=axes, shrink=0.6, extend="min")
+    bar = figure.colorbar(images[0], ax=axes, shrink=0.6, extend="min")
     bar.set_label("concentration [kg/m$^2$]")
     figure.suptitle(f"{name}: diffusion of a contaminant, no flux through the boundary")
     return figure

@@ -48,7 +48,9 @@ def describe_defects(outline: Outline) -> pd.DataFrame:
     chain_numbers, chains = np.unique(outline.chains, return_inverse=True)
     lengths = np.linalg.norm(points[segments[:, 1]] - points[segments[:, 0]], axis=1)
     n_chains = len(chain_numbers)
-    chain_lengths = np.bincount(chains, weights=lengths, minlength=n_chains)
+    chain_lengths: FloatArray = np.bincount(chains, weights=lengths, minlength=n_chains).astype(
+        np.float64
+    )
     is_closed = _closed_chains(segments, chains, n_chains)
     areas = np.where(is_closed, _signed_areas(points, segments, chains, n_chains), 0.0)
     multiplicity = np.bincount(segments[:, 1], minlength=len(points)) - np.bincount(

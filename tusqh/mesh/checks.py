@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tusqh.errors import MeshError
-from tusqh.grid import FloatArray, IntArray
+from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.mesh.facets import Facets, find_facets
 from tusqh.mesh.jacobians import corner_jacobians
 from tusqh.mesh.volume_mesh import VolumeMesh
@@ -118,7 +118,7 @@ def _none(name: str, found: int) -> Check:
     return Check(name=name, found=found, required="0", holds=found == 0)
 
 
-def _count_rows(is_bad: np.ndarray) -> int:  # type: ignore[type-arg]
+def _count_rows(is_bad: BoolArray) -> int:
     return int(is_bad.any(axis=1).sum())
 
 

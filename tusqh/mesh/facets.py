@@ -73,8 +73,8 @@ def find_facets(cells: IntArray) -> Facets:
 
 
 def _rank_pairs(first: IntArray, second: IntArray) -> IntArray:
-    """Number equal pairs equally, 0, 1, 2, ... in lexicographic order."""
+    """Return a number for each pair: equal for equal pairs, in lexicographic order."""
     if len(first) == 0:
         return np.empty(0, dtype=np.int64)
     packed = first * (int(second.max()) + 1) + second
-    return np.unique(packed, return_inverse=True)[1].astype(np.int64)
+    return np.asarray(np.unique(packed, return_inverse=True)[1], dtype=np.int64)

@@ -15,9 +15,9 @@ def hash_file(path: Path) -> str:
 
 
 def canonical_json(value: Any) -> str:
-    """Return a value as JSON that depends on nothing but the value.
+    r"""Return a value as JSON that depends on nothing but the value.
 
     >>> canonical_json({"b": 1, "a": [2.5]})
-    '{\\n  "a": [\\n    2.5\\n  ],\\n  "b": 1\\n}\\n'
+    '{\n  "a": [\n    2.5\n  ],\n  "b": 1\n}\n'
     """
     return json.dumps(value, indent=2, sort_keys=True, ensure_ascii=False) + "\n"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
@@ -37,7 +39,8 @@ def element_metrics(mesh: VolumeMesh) -> pd.DataFrame:
     # Map coordinates are millions of metres; metrics do not change when the mesh is moved.
     points[:, : mesh.dim] = mesh.points - mesh.points[0]
     grid = pyvista.UnstructuredGrid({9: mesh.cells}, points)
-    measured = grid.cell_quality([vtk_name for vtk_name, _ in METRICS.values()])
+    wanted: Any = [vtk_name for vtk_name, _ in METRICS.values()]
+    measured = grid.cell_quality(wanted)
     table = pd.DataFrame({ours: measured.cell_data[vtk] for ours, (vtk, _) in METRICS.items()})
     return table.where(np.isfinite(table))
 
@@ -52,7 +55,7 @@ def summarise_metrics(metrics: pd.DataFrame) -> pd.DataFrame:
             "median": column.median(),
             "mean": column.mean(),
             "max": column.max(skipna=False),
-            "unit": METRICS[name][1],
+            "unit": METRICS[str(name)][1],
         }
         for name, column in metrics.items()
     ]

@@ -256,7 +256,8 @@ def _describe(target: Target) -> str:
 def _suggest(predicted: pd.DataFrame, target: Target) -> str:
     """Return the reachable numbers that differ least from the target."""
     shown = predicted[predicted["cells"] > 0]
-    distance = sum((shown[name] - wanted).abs() for name, wanted in target.items())
-    nearest = shown.loc[distance.idxmin()]
-    numbers = ", ".join(f"{name} = {int(nearest[name])}" for name in sorted(target))
+    names = sorted(target)
+    distance = (shown[names] - [target[name] for name in names]).abs().sum(axis=1)
+    nearest = shown.iloc[int(distance.to_numpy().argmin())]
+    numbers = ", ".join(f"{name} = {nearest[name]:.0f}" for name in names)
     return f"ask for one of these (nearest: {numbers}), or change the grid or `min_cells`"

@@ -1,13 +1,13 @@
-"""The paper's simplicial filtration of a background grid, in 2D and 3D.
+r"""The paper's simplicial filtration of a background grid, in 2D and 3D.
 
 Paper: Transferring Persistent Parameters to Simplices.  Nodes are the cells of the grid, its
 interior vertices and, in 3D, its interior edges; a node's value is its volume fraction, clamped
 between the values around it.  Every grid vertex is coned to the cells (and edges) around it::
 
       cell ----- cell        2D: four triangles (cell, cell, vertex) per vertex,
-        | \\     / |          3D: 24 tetrahedra (cell, cell, edge, vertex) per vertex.
+        | \     / |          3D: 24 tetrahedra (cell, cell, edge, vertex) per vertex.
         |  vertex |          A simplex enters when its last node does.
-        | /     \\ |
+        | /     \ |
       cell ----- cell
 
 The grid is padded with one layer of empty cells, so that all of its vertices are interior.

@@ -1,0 +1,131 @@
+"""The whole workflow on a new model: one block in the config and an SVG, nothing else."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pandas as pd
+import pytest
+
+from tusqh.mesh.betti import betti_by_boundary
+from tusqh.mesh.export import read_vtu
+from tusqh.provenance.hashing import hash_file
+
+# A plate with a round and a square hole; the path of the square is left open on purpose.
+PLATE = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 80 40">
+  <path d="M 0 0 H 80 V 40 H 0 Z"/>
+  <path d="M 30 20 A 10 10 0 1 1 10 20 A 10 10 0 1 1 30 20 Z"/>
+  <path d="M 50 10 V 30 H 70 V 10 H 50.5"/>
+</svg>
+"""
+CONFIG = """models:
+  plate:
+    geometry: plate.svg
+    unit: mm
+    grid: {cells: 32}
+    target: {betti_0: 1, betti_1: 2}
+"""
+
+
+def snakemake(repository, folder, *arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "snakemake", "-s", str(repository / "Snakefile"), "--cores", "2"]
+        + ["--workflow-profile", str(repository / "profiles/default"), *arguments],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "TMPDIR": str(folder)},
+    )
+
+
+def prepare(folder, config=CONFIG, plate=PLATE):
+    (folder / "config").mkdir()
+    (folder / "config/config.yaml").write_text(config)
+    (folder / "plate.svg").write_text(plate)
+
+
+@pytest.fixture(scope="module")
+def built(repository, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("dag")
+    prepare(folder)
+    done = snakemake(repository, folder)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return folder
+
+
+def test_the_mesh_has_the_wanted_topology(built):
+    assert betti_by_boundary(read_vtu(built / "results/plate/mesh.vtu")) == (1, 2, 0)
+    summary = pd.read_csv(built / "results/tables/summary.csv")
+    assert summary["verdict"].tolist() == ["suitable"]
+    verification = pd.read_csv(built / "results/tables/verification.csv")
+    assert verification["holds"].all()
+    assert verification["threshold"].tolist() == [0.9, 0.75, 0.5, 0.25, 0.15, 0.05, 0.01]
+    for threshold in verification["threshold"]:
+        assert (built / f"results/plate/sweep/{threshold}.vtu").stat().st_size > 0
+    defects = pd.read_csv(built / "results/plate/defects.csv").set_index("defect")["count"]
+    assert defects["open_chains"] == 1
+    assert defects["open_ends"] == 2
+
+
+def test_every_figure_is_there(built):
+    for figure in ("thresholds", "diagram", "antialias", "contaminant"):
+        content = (built / f"results/plate/figures/{figure}.png").read_bytes()
+        assert content.startswith(b"\x89PNG")
+        assert len(content) > 10_000
+
+
+def test_records_name_every_input_and_output_with_its_hash(built):
+    records = sorted((built / "results/provenance").rglob("*.json"))
+    whats = [json.loads(p.read_text()) for p in records if not p.name.endswith(".how.json")]
+    assert {what["step"] for what in whats} >= {"ingest", "sample", "select", "mesh", "tables"}
+    made = {}
+    for what in whats:
+        for entry in what["inputs"] + what["outputs"]:
+            assert hash_file(built / entry["path"]) == entry["sha256"]
+        made |= {entry["path"]: entry["sha256"] for entry in what["outputs"]}
+    for what in whats:
+        for entry in what["inputs"]:
+            assert entry["path"] == "plate.svg" or made[entry["path"]] == entry["sha256"]
+    hows = [json.loads(p.read_text()) for p in records if p.name.endswith(".how.json")]
+    assert len(hows) == len(whats)
+    assert all(how["seconds"] >= 0 and how["versions"]["numpy"] for how in hows)
+
+
+def test_a_second_run_does_nothing(repository, built):
+    done = snakemake(repository, built)
+    assert "Nothing to be done" in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("plate.svg", "plaet.svg"), "plaet.svg"),
+        (("betti_1: 2}", "betti_1: 200}"), "no threshold gives betti_0 = 1, betti_1 = 200"),
+        (("unit: mm", "untis: mm"), "did you mean 'unit'"),
+        (
+            ("grid: {cells: 32}", "window: {lower: [900, 0], upper: [950, 9]}"),
+            "misses the geometry",
+        ),
+    ],
+)
+def test_mistakes_end_with_a_message_and_nothing_half_written(
+    repository, tmp_path, change, message
+):
+    prepare(tmp_path, CONFIG.replace(*change))
+    target = "results/plate/mesh.vtu"
+    done = snakemake(repository, tmp_path, target)
+    assert done.returncode != 0
+    assert message in done.stdout + done.stderr
+    assert not (tmp_path / target).exists()
+    assert not list(tmp_path.rglob(".mesh-*"))
+
+
+@pytest.mark.parametrize("content", ["", "<svg", "<svg xmlns='http://www.w3.org/2000/svg'></svg>"])
+def test_broken_geometry_is_explained(repository, tmp_path, content):
+    prepare(tmp_path, plate=content)
+    done = snakemake(repository, tmp_path, "results/plate/geometry.vtp")
+    assert done.returncode != 0
+    assert "error in" in done.stdout + done.stderr
+    assert "remedy:" in done.stdout + done.stderr
+    assert not (tmp_path / "results/plate/geometry.vtp").exists()
