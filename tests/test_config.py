@@ -41,7 +41,7 @@ def test_the_committed_configuration_is_valid(repository, tmp_path):
         ("models: {a: {geometri: a.svg}}", ["models.a", "'geometri'", "did you mean 'geometry'"]),
         ("models: {a: {geometry: a.svg, sampels: 4}}", ["'sampels'", "did you mean 'samples'"]),
         ("models: {a: {}}", ["models.a", "'geometry' is missing"]),
-        ("modles: {}", ["the top level", "modles"]),
+        ("modles: {}", ["the top level", "'modles'", "did you mean 'models'"]),
         ("models: {a: {geometry: a.svg, samples: 3}}", ["a.samples", "found 3", "multiple of 2"]),
         ("models: {a: {geometry: a.svg, samples: 0}}", ["a.samples", "found 0", "at least 2"]),
         ("models: {a: {geometry: a.svg, threshold: 0}}", ["a.threshold", "found 0", "more than 0"]),

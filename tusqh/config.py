@@ -103,7 +103,11 @@ def load_config(paths: Iterable[Path], schema_path: Path, overrides: Mapping) ->
 def validate(config: Mapping, schema: Mapping, *, where: str) -> None:
     """Raise a `ConfigError` for the first thing that the schema does not allow."""
     validator = jsonschema.Draft202012Validator(schema)
-    errors = sorted(validator.iter_errors(config), key=lambda e: [str(p) for p in e.absolute_path])
+    # A misspelt key is also a missing one: name the misspelling.
+    errors = sorted(
+        validator.iter_errors(config),
+        key=lambda e: (e.validator != "additionalProperties", [str(p) for p in e.absolute_path]),
+    )
     if not errors:
         return
     error = errors[0]

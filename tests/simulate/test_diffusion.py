@@ -30,7 +30,7 @@ def unit_square(n, wobble=0.0):
 def two_islands():
     one = unit_square(4)
     return VolumeMesh.from_arrays(
-        np.concatenate([one.points, one.points + [2.0, 0.0]]),
+        np.concatenate([one.points, one.points + np.array([2.0, 0.0])]),
         np.concatenate([one.cells, one.cells + len(one.points)]),
         name="islands",
     )

@@ -1,7 +1,6 @@
 """The whole workflow on a new model: one block in the config and an SVG, nothing else."""
 
 import json
-import os
 import subprocess
 import sys
 
@@ -15,7 +14,7 @@ from tusqh.provenance.hashing import hash_file
 # A plate with a round and a square hole; the path of the square is left open on purpose.
 PLATE = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 80 40">
   <path d="M 0 0 H 80 V 40 H 0 Z"/>
-  <path d="M 30 20 A 10 10 0 1 1 10 20 A 10 10 0 1 1 30 20 Z"/>
+  <path d="M 30 20 A 10 10 0 1 0 10 20 A 10 10 0 1 0 30 20 Z"/>
   <path d="M 50 10 V 30 H 70 V 10 H 50.5"/>
 </svg>
 """
@@ -30,12 +29,13 @@ CONFIG = """models:
 
 def snakemake(repository, folder, *arguments):
     return subprocess.run(
-        [sys.executable, "-m", "snakemake", "-s", str(repository / "Snakefile"), "--cores", "2"]
-        + ["--workflow-profile", str(repository / "profiles/default"), *arguments],
+        [
+            *(sys.executable, "-m", "snakemake", "-s", str(repository / "Snakefile")),
+            *("--cores", "2", *arguments),
+        ],
         cwd=folder,
         capture_output=True,
         text=True,
-        env={**os.environ, "TMPDIR": str(folder)},
     )
 
 

@@ -71,6 +71,13 @@ def read_vtu(path: Path, *, name: str | None = None) -> VolumeMesh:
             expected="a VTK XML unstructured grid (.vtu)",
             remedy="convert the mesh, for instance with `meshio convert`",
         ) from reason
+    if grid.n_cells == 0:
+        raise MeshError(
+            "holds no elements",
+            where=str(path),
+            expected="quads or hexahedra",
+            remedy="check that the file is whole; a lower threshold keeps more cells",
+        )
     if types - {_VTK_QUAD, _VTK_HEXAHEDRON} or len(types) > 1:
         raise MeshError(
             f"holds elements of VTK types {sorted(types)}",
