@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
@@ -43,7 +44,7 @@ def draw_diagram(pairs: pd.DataFrame, *, threshold: float, name: str) -> Figure:
         panel.scatter(
             points["x"],
             points["y"],
-            s=22 + 10 * (points["size"] - 1),
+            s=22 * np.sqrt(points["size"]),
             marker=_MARKERS[k],
             color=style.DIMENSION_COLOURS[k],
             alpha=0.75,
