@@ -56,3 +56,15 @@ def simplicial_betti_by_rank(simplices: list[np.ndarray]) -> list[int]:
         ranks.append(gf2_rank(columns))
     ranks.append(0)
     return [len(index[k]) - ranks[k] - ranks[k + 1] for k in range(len(simplices))]
+
+
+def gudhi_pairs(filtration) -> list[tuple[int, float, float]]:
+    """All pairs (dimension, birth, death) of the full filtration, essential ones with death 0."""
+    import gudhi
+
+    tree = gudhi.SimplexTree()
+    for k, simplices in enumerate(filtration.simplices):
+        if len(simplices):
+            tree.insert_batch(simplices.T.astype(np.int32), -filtration.simplex_values(k))
+    pairs = tree.persistence(homology_coeff_field=2, persistence_dim_max=True)
+    return sorted((k, -birth, max(0.0, -death)) for k, (birth, death) in pairs if birth < death)

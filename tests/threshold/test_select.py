@@ -6,15 +6,13 @@ from tusqh.antialias.resolve import keep_cells, resolve
 from tusqh.errors import TopologyError
 from tusqh.mesh.betti import betti_by_euler
 from tusqh.threshold.select import choose_threshold, predict_plateaus
-from tusqh.topology.filtration import build_filtration
-from tusqh.topology.persistence import list_plateaus, persistence_pairs
+from tusqh.topology.curves import betti_curves
 
 CELLS = np.array([[1, 1, 1], [0.5, 0.25, 1], [1, 1, 1]])
 
 
 def predict(fractions, **how):
-    filtration = build_filtration(fractions.values)
-    plateaus = list_plateaus(filtration, persistence_pairs(filtration))
+    plateaus = betti_curves(fractions.values)
     return predict_plateaus(fractions, plateaus, **how)
 
 

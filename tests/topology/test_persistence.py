@@ -1,48 +1,19 @@
-"""The filtration, its pairs and the effective count, each against an independent road."""
+"""Clamping, the table of pairs and its check; the numbers themselves are in test_curves."""
 
 import numpy as np
 import pytest
-from conftest import make_fractions, random_fractions
-from oracles import simplicial_betti_by_rank
+from conftest import make_fractions
 
-from tusqh.antialias.resolve import keep_cells
-from tusqh.topology.filtration import build_filtration, clamp_values
-from tusqh.topology.persistence import betti_at, list_plateaus, locate_pairs, persistence_pairs
-
-
-def sublevel(filtration, threshold):
-    """The simplices whose nodes all have values of at least the threshold."""
-    return [s[(filtration.values[s] >= threshold).all(axis=1)] for s in filtration.simplices]
-
-
-@pytest.mark.parametrize("seed", range(60))
-def test_plateaus_in_the_plane_match_ranks_and_the_effective_count(seed):
-    rng = np.random.default_rng(seed)
-    fractions = random_fractions(rng, tuple(rng.integers(1, 6, 2)))
-    filtration = build_filtration(fractions.values)
-    plateaus = list_plateaus(filtration, persistence_pairs(filtration))
-    assert plateaus["upper"].iloc[0] == 1.0
-    assert plateaus["lower"].iloc[-1] == 0.0
-    for row in plateaus.itertuples():
-        for threshold in (row.upper, (row.lower + row.upper) / 2):
-            expected = simplicial_betti_by_rank(sublevel(filtration, threshold))
-            assert [row.betti_0, row.betti_1, row.betti_2] == expected
-            cells = keep_cells(fractions, threshold=threshold)
-            if cells.decisions.n_overruled_clusters == 0:
-                assert list(cells.predicted) == expected
-            assert list(betti_at(plateaus, threshold)) == expected
-
-
-@pytest.mark.parametrize("seed", range(10))
-def test_plateaus_in_space_match_ranks(seed):
-    rng = np.random.default_rng(seed)
-    shape = rng.integers(1, 3, 3)
-    values = rng.integers(0, 4, 2 * shape + 1) / 3
-    filtration = build_filtration(values)
-    plateaus = list_plateaus(filtration, persistence_pairs(filtration))
-    for row in plateaus.itertuples():
-        expected = simplicial_betti_by_rank(sublevel(filtration, row.upper))
-        assert [row.betti_0, row.betti_1, row.betti_2, 0] == expected
+from tusqh.errors import TopologyError
+from tusqh.topology.curves import betti_curves
+from tusqh.topology.filtration import clamp_values
+from tusqh.topology.persistence import (
+    count_alive,
+    locate_pairs,
+    paired_dimensions,
+    persistence_pairs,
+    require_agreement,
+)
 
 
 def test_a_ring_with_a_weak_side_by_hand():
@@ -50,8 +21,7 @@ def test_a_ring_with_a_weak_side_by_hand():
     cells = np.ones((3, 3))
     cells[1, 1], cells[0, 1] = 0.25, 0.5
     fractions = make_fractions(cells)
-    filtration = build_filtration(fractions.values)
-    pairs = locate_pairs(persistence_pairs(filtration), filtration, fractions.grid)
+    pairs = locate_pairs(persistence_pairs(fractions.values), fractions.grid)
     holes = pairs[pairs["dimension"] == 1]
     assert holes[["birth", "death"]].to_numpy().tolist() == [[0.5, 0.25]]
     # The cell (0, 1) makes the hole; the last vertex around the cell (1, 1) fills it.
@@ -81,3 +51,43 @@ def test_clamping_keeps_sub_cells_between_their_neighbours():
         )
         assert (inner <= around.max(axis=0)).all()
         assert (inner >= around.min(axis=0)).all()
+
+
+def test_places_are_inside_the_grid_and_have_the_values_of_the_events():
+    rng = np.random.default_rng(5)
+    for shape in [(4, 5), (3, 4, 2)]:
+        values = rng.integers(0, 9, 2 * np.array(shape) + 1) / 8
+        pairs = persistence_pairs(values)
+        padded = clamp_values(np.pad(values, 2))
+        clamped = padded[(slice(2, -2),) * len(shape)].ravel()
+        assert (clamped[pairs["birth_place"]] == pairs["birth"]).all()
+        mortal = pairs[~pairs["essential"]]
+        assert (clamped[mortal["death_place"]] == mortal["death"]).all()
+        assert (pairs.loc[pairs["essential"], "death_place"] == -1).all()
+
+
+def test_large_grids_have_the_outer_pairs_only():
+    rng = np.random.default_rng(6)
+    values = rng.integers(0, 9, (7, 9, 5)) / 8
+    everything, outer = persistence_pairs(values), persistence_pairs(values, n_cells=1)
+    assert paired_dimensions(values.shape) == (0, 1, 2)
+    assert paired_dimensions(values.shape, n_cells=1) == (0, 2)
+    assert 1 in set(everything["dimension"])
+    columns = ["dimension", "birth", "death"]
+    expected = everything.loc[everything["dimension"] != 1, columns]
+    assert sorted(map(tuple, outer[columns].values)) == sorted(map(tuple, expected.values))
+    require_agreement(outer, betti_curves(values), (0, 2), name="large")
+
+
+def test_a_disagreement_between_the_two_roads_is_never_silent():
+    values = np.random.default_rng(7).integers(0, 9, (9, 9)) / 8
+    pairs, plateaus = persistence_pairs(values), betti_curves(values)
+    require_agreement(pairs, plateaus, (0, 1), name="plane")
+    with pytest.raises(TopologyError, match="persistence pairs give Betti numbers"):
+        require_agreement(pairs.iloc[1:], plateaus, (0, 1), name="plane")
+
+
+def test_no_pairs_count_as_nothing():
+    pairs = persistence_pairs(np.zeros((5, 5)))
+    assert len(pairs) == 0
+    assert count_alive(pairs, np.array([0.5])).tolist() == [[0, 0, 0]]

@@ -9,8 +9,7 @@ from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.layout import lay_grid
 from tusqh.tables import VERIFICATION_COLUMNS, verification_row
 from tusqh.threshold.select import choose_threshold, predict_plateaus
-from tusqh.topology.filtration import build_filtration
-from tusqh.topology.persistence import list_plateaus, persistence_pairs
+from tusqh.topology.curves import betti_curves
 
 WINDOW = ((250000.0, 4075000.0), (490000.0, 4391000.0))
 
@@ -34,8 +33,7 @@ def test_predicted_topology_is_measured_topology(fractions, threshold, min_cells
 
 
 def test_at_least_six_topologies_can_be_asked_for(fractions):
-    filtration = build_filtration(fractions.values)
-    plateaus = list_plateaus(filtration, persistence_pairs(filtration))
+    plateaus = betti_curves(fractions.values)
     predicted = predict_plateaus(fractions, plateaus, min_cells=4)
     targets = predicted[["betti_0", "betti_1"]].drop_duplicates().to_dict("records")
     assert len(targets) >= 6

@@ -49,8 +49,7 @@ def betti_curves(values: FloatArray) -> pd.DataFrame:
     born, died, _, _ = merge_components(keys)
     components = _count_at_least(born, upper) - _count_at_least(died, upper)
     born, died, _, _ = merge_components(_complement(keys))
-    # Component of the complement: there for complement keys in (death, birth].
-    outside = TOP + 1 - upper
+    outside = TOP + 2 - upper  # The lowest complement key of a node that is out.
     enclosed = _count_at_least(born, outside) - _count_at_least(died, outside) - 1
     if values.ndim == 2:
         betti = [components, enclosed, np.zeros_like(components)]
@@ -94,8 +93,8 @@ def outer_pairs(values: FloatArray) -> pd.DataFrame:
         _to_table(
             values.ndim - 1,
             # A class exists from the key at which its void is cut off until it is filled.
-            TOP - died[is_enclosed],
-            TOP - born[is_enclosed],
+            TOP + 1 - died[is_enclosed],
+            TOP + 1 - born[is_enclosed],
             died_at[is_enclosed],
             born_at[is_enclosed],
         )
@@ -127,8 +126,8 @@ def _to_table(
 
 
 def _complement(keys: Keys) -> Keys:
-    """Return the keys by which nodes leave: in at complement key ``k`` when key <= TOP - k."""
-    return np.asarray(TOP - keys, dtype=np.int32)
+    """Return the keys in the order in which nodes leave, above 0 so that all of them do."""
+    return np.asarray(TOP + 1 - keys, dtype=np.int32)
 
 
 def _levels(keys: Keys) -> IntArray:

@@ -54,7 +54,7 @@ def merge_components(keys: Keys) -> tuple[IntArray, IntArray, IntArray, IntArray
     Parameters
     ----------
     keys
-        Clamped keys, see `to_keys`.
+        Clamped keys, see `to_keys`, or their complement in 1..`TOP` + 1.
 
     Returns
     -------
@@ -96,15 +96,15 @@ def count_euler(keys: Keys) -> IntArray:
 @numba.njit(cache=True)
 def _order(cells):  # type: ignore[no-untyped-def]
     """Return the cells with keys above 0, largest key first (a counting sort)."""
-    start = np.zeros(TOP + 2, dtype=np.int64)
+    start = np.zeros(TOP + 3, dtype=np.int64)
     for key in cells:
-        start[TOP - key + 1] += 1
-    n = len(cells) - start[TOP + 1]
+        start[TOP + 2 - key] += 1
+    n = len(cells) - start[TOP + 2]
     start = np.cumsum(start)
     order = np.empty(n, dtype=np.int32)
     for cell in range(len(cells)):
         if cells[cell] > 0:
-            at = TOP - cells[cell]
+            at = TOP + 1 - cells[cell]
             order[start[at]] = cell
             start[at] += 1
     return order

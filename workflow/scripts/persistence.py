@@ -3,15 +3,20 @@ from pathlib import Path
 from tusqh.provenance.record import recorded
 from tusqh.sampling.io import load_fractions
 from tusqh.tables import write_csv
-from tusqh.topology.filtration import build_filtration
-from tusqh.topology.persistence import list_plateaus, locate_pairs, persistence_pairs
+from tusqh.topology.curves import betti_curves
+from tusqh.topology.persistence import (
+    locate_pairs,
+    paired_dimensions,
+    persistence_pairs,
+    require_agreement,
+)
 
 with recorded(snakemake) as log:
     fractions = load_fractions(Path(snakemake.input.fractions))
-    filtration = build_filtration(fractions.values)
-    log.info("%s simplices by dimension", [len(s) for s in filtration.simplices])
-    pairs = persistence_pairs(filtration)
-    plateaus = list_plateaus(filtration, pairs)
-    log.info("%d pairs, %d plateaus", len(pairs), len(plateaus))
-    write_csv(Path(snakemake.output.pairs), locate_pairs(pairs, filtration, fractions.grid))
+    plateaus = betti_curves(fractions.values)
+    pairs = persistence_pairs(fractions.values)
+    dimensions = paired_dimensions(fractions.values.shape)
+    log.info("%d plateaus, %d pairs of dimensions %s", len(plateaus), len(pairs), dimensions)
+    require_agreement(pairs, plateaus, dimensions, name=snakemake.wildcards.model)
+    write_csv(Path(snakemake.output.pairs), locate_pairs(pairs, fractions.grid))
     write_csv(Path(snakemake.output.plateaus), plateaus)

@@ -1,0 +1,77 @@
+"""Betti curves and diagrams against gudhi: ``python -m benchmarks.topology``.
+
+The field is white noise on the doubled grid, the hardest case: nearly every node has a level of
+its own.  `gudhi simplicial` builds the paper's complex, all simplices of it, and pairs it;
+`gudhi cubical` pairs the cells alone, without sub-cells: another complex, for orientation.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from benchmarks.measure import FIELDS, Cost, compare, growth, measure
+from tusqh.grid import FloatArray
+from tusqh.sampling.fractions import round_fractions
+from tusqh.tables import write_csv
+from tusqh.topology.curves import betti_curves
+from tusqh.topology.filtration import build_filtration
+from tusqh.topology.persistence import persistence_pairs
+
+RESULT = Path("results/benchmarks/topology.csv")
+
+
+def white_noise(n: int) -> FloatArray:
+    """Return random fractions for n^3 cells, shape (2 n + 1,) * 3."""
+    values = np.random.default_rng(0).random((2 * n + 1,) * 3)
+    return round_fractions(values)
+
+
+def pair_simplicial(values: FloatArray) -> object:
+    """Pair the paper's whole complex with gudhi."""
+    import gudhi
+
+    filtration = build_filtration(values)
+    tree = gudhi.SimplexTree()
+    for k, simplices in enumerate(filtration.simplices):
+        tree.insert_batch(simplices.T.astype(np.int32), -filtration.simplex_values(k))
+    return tree.persistence(homology_coeff_field=2)
+
+
+def pair_cubical(values: FloatArray) -> object:
+    """Pair the cells alone with gudhi, as vertices of a cubical complex."""
+    import gudhi
+
+    cells = values[1::2, 1::2, 1::2]
+    return gudhi.CubicalComplex(vertices=-cells).persistence(homology_coeff_field=2)
+
+
+def cost_of(call: object, n: int) -> Cost:
+    """Return the cost of a call on n^3 cells."""
+    return measure(white_noise, call, (4,), n)  # type: ignore[arg-type]
+
+
+def main() -> None:
+    """Measure, print and write the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--largest", type=int, default=256, help="cells along a side (256)")
+    largest = parser.parse_args().largest
+    rows = []
+    others = {32: ("gudhi simplicial", pair_simplicial), 64: ("gudhi cubical", pair_cubical)}
+    others[128] = others[64]
+    for n in (n for n in (32, 64, 128, 256) if n <= largest):
+        name, other = others.get(n, ("", None))
+        reference = cost_of(other, n) if other else None
+        rows.append(compare("betti_curves", n**3, cost_of(betti_curves, n), name, reference))
+    print(f"betti_curves: seconds grow with cells to the power {growth(rows[1:]):.2f}")
+    if largest >= 64:
+        ours, other = cost_of(persistence_pairs, 64), cost_of(pair_simplicial, 64)
+        rows.append(compare("persistence_pairs", 64**3, ours, "gudhi simplicial", other))
+    write_csv(RESULT, pd.DataFrame(rows, columns=FIELDS))
+
+
+if __name__ == "__main__":
+    main()

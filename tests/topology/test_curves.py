@@ -1,0 +1,93 @@
+"""Betti numbers at every distinct level by three roads: union-find, gudhi, and ranks over GF(2)."""
+
+import numpy as np
+import pytest
+from oracles import gudhi_pairs, simplicial_betti_by_rank
+
+from tusqh.antialias.resolve import keep_cells
+from tusqh.grid import BackgroundGrid
+from tusqh.sampling.fractions import VolumeFractions
+from tusqh.topology.curves import betti_curves, outer_pairs
+from tusqh.topology.filtration import build_filtration
+from tusqh.topology.persistence import (
+    betti_at,
+    paired_dimensions,
+    persistence_pairs,
+    require_agreement,
+)
+
+
+def random_values(rng, shape):
+    """A doubled grid with ties, plateaus, zeros and ones; sometimes values outside [0, 1]."""
+    doubled = tuple(2 * n + 1 for n in shape)
+    n_levels = int(rng.integers(2, 7))
+    low, high = (0, n_levels) if rng.random() < 0.8 else (-1, n_levels + 1)
+    values = rng.integers(low, high, doubled) / 2.0 ** np.ceil(np.log2(n_levels - 1))
+    if rng.random() < 0.3:  # A plateau: a block of equal values.
+        block = tuple(slice(0, int(rng.integers(1, n + 1))) for n in doubled)
+        values[block] = rng.integers(0, 2)
+    return values
+
+
+def compare_everything(values):
+    filtration = build_filtration(values)
+    plateaus = betti_curves(values)
+    assert plateaus["upper"].iloc[0] == 1.0
+    assert plateaus["lower"].iloc[-1] == 0.0
+    require_agreement(
+        persistence_pairs(values), plateaus, paired_dimensions(values.shape), name="random"
+    )
+    reference = gudhi_pairs(filtration)
+    for row in plateaus.itertuples():
+        level = (filtration.values >= row.upper).nonzero()[0]
+        inside = [s[np.isin(s, level).all(axis=1)] for s in filtration.simplices]
+        by_rank = [*simplicial_betti_by_rank(inside), 0][:3]
+        by_gudhi = [
+            sum(k == dim and death < row.upper <= birth for k, birth, death in reference)
+            for dim in range(3)
+        ]
+        assert [row.betti_0, row.betti_1, row.betti_2] == by_rank == by_gudhi
+        assert row.euler == row.betti_0 - row.betti_1 + row.betti_2
+        assert list(betti_at(plateaus, (row.lower + row.upper) / 2)) == by_rank
+    clipped = [(k, min(birth, 1.0), min(death, 1.0)) for k, birth, death in reference]
+    last = values.ndim - 1
+    expected = sorted(p for p in clipped if p[0] in (0, last) and p[1] > p[2])
+    outer = outer_pairs(values)
+    assert sorted(map(tuple, outer[["dimension", "birth", "death"]].values)) == expected
+
+
+@pytest.mark.parametrize("seed", range(50))
+def test_in_the_plane(seed):
+    rng = np.random.default_rng(seed)
+    for _ in range(10):
+        compare_everything(random_values(rng, tuple(rng.integers(1, 7, 2))))
+
+
+@pytest.mark.parametrize("seed", range(50))
+def test_in_space(seed):
+    rng = np.random.default_rng(1000 + seed)
+    for _ in range(4):
+        compare_everything(random_values(rng, tuple(rng.integers(1, 5, 3))))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_raw_equals_effective_where_nothing_is_overruled(seed):
+    rng = np.random.default_rng(2000 + seed)
+    shape = tuple(int(n) for n in rng.integers(1, 7, 2))
+    values = np.clip(random_values(rng, shape), 0, 1)
+    grid = BackgroundGrid(shape=shape, cell_size=1.0, origin=(0.0, 0.0))
+    fractions = VolumeFractions(grid=grid, samples=4, values=values)
+    plateaus = betti_curves(values)
+    for threshold in plateaus["upper"]:
+        cells = keep_cells(fractions, threshold=threshold)
+        if cells.decisions.n_overruled_clusters == 0:
+            assert cells.predicted == betti_at(plateaus, threshold)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 5), (1, 1, 1), (1, 1, 4)])
+@pytest.mark.parametrize("value", [0.0, 0.5, 1.0])
+def test_constant_fields(shape, value):
+    values = np.full(tuple(2 * n + 1 for n in shape), value)
+    plateaus = betti_curves(values)
+    assert (plateaus["betti_0"] == (plateaus["upper"] <= value)).all()
+    assert (plateaus[["betti_1", "betti_2"]] == 0).all(axis=None)
