@@ -1,14 +1,17 @@
 """The Betti numbers that a mesh will have, from kept cells and pinch decisions alone.
 
-With the decisions made, the paper's complex is small enough to count: two kept cells are joined
-when they share a side, or are the diagonal of a connected pinch; two empty cells when they share
-a side, or are the diagonal of a separated pinch.  Components of the first graph are the mesh's
-components, components of the second (with everything outside the grid as one) are its holes plus
-the outside, because the complement of a full subcomplex retracts onto the full subcomplex of the
-other nodes (algorithm notes 2).
+With the decisions made, the paper's complex is small enough to count.  Kept cells are joined when
+they share a face (in 2D a side), or meet at a connected pinch; empty cells when they share a
+face, or meet at a separated pinch.  Components of the first graph are the mesh's components;
+components of the second (with everything outside the grid as one) are its holes in 2D and its
+voids in 3D plus the outside, because the complement of a full subcomplex retracts onto the full
+subcomplex of the other nodes (algorithm notes 2).  Holes in 3D follow from the Euler
+characteristic.
 """
 
 from __future__ import annotations
+
+import itertools
 
 import numpy as np
 from scipy import ndimage
@@ -19,15 +22,15 @@ from tusqh.grid import BoolArray, IntArray
 from tusqh.topology.betti_numbers import BettiNumbers
 
 
-def label_components(cells: BoolArray, joins_diagonal: BoolArray) -> tuple[IntArray, int]:
+def label_components(cells: BoolArray, joins: BoolArray) -> tuple[IntArray, int]:
     """Return the component of every cell (from 1; 0 elsewhere) and how many there are.
 
     Parameters
     ----------
     cells
-        Cells of a 2D grid, shape n.
-    joins_diagonal
-        Grid vertices at which the cells of a diagonal count as joined, shape ``n + 1``.
+        Cells of a grid, shape n.
+    joins
+        Grid vertices at which all cells around count as joined, shape ``n + 1``.
 
     Examples
     --------
@@ -40,18 +43,50 @@ def label_components(cells: BoolArray, joins_diagonal: BoolArray) -> tuple[IntAr
     1
     """
     labels, n_parts = ndimage.label(cells)
-    around = np.pad(labels, 1)
-    at = joins_diagonal
-    low, high = slice(None, -1), slice(1, None)
-    links = [
-        np.column_stack([around[low, low][at], around[high, high][at]]),
-        np.column_stack([around[high, low][at], around[low, high][at]]),
-    ]
-    pairs = np.concatenate(links)
+    around = _cells_around(labels, joins)
+    first = around.max(axis=1, initial=0)
+    pairs = np.stack([np.repeat(first, around.shape[1]), around.ravel()], axis=1)
     pairs = pairs[(pairs > 0).all(axis=1)] - 1
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n_parts,) * 2)
     n_components, of_part = connected_components(graph, directed=False)
     return np.concatenate([[0], of_part + 1])[labels].astype(np.int64), int(n_components)
+
+
+def count_euler_characteristic(kept: BoolArray, connects: BoolArray) -> int:
+    """Return the Euler characteristic of kept cells whose pinches have been decided.
+
+    Only nodes whose star changes it are counted: an edge or vertex with some, but not all, of
+    its cells kept, and no pinch, has a contractible link.
+
+    Parameters
+    ----------
+    kept
+        Kept cells, shape n.
+    connects
+        Pinches decided to connect, shape ``n + 1``; the ends of a pinch edge agree.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> kept = np.ones((3, 3, 1), dtype=bool)
+    >>> kept[1, 1] = False
+    >>> count_euler_characteristic(kept, np.zeros((4, 4, 2), dtype=bool))      # a solid ring
+    0
+    """
+    euler = int(kept.sum()) - sum(
+        int((kept[_part(axis, 0, -1)] & kept[_part(axis, 1, None)]).sum())
+        for axis in range(kept.ndim)
+    )
+    if kept.ndim == 3:
+        for axis in range(3):
+            is_full, is_diagonal = _edges_along(kept, axis)
+            is_joined = is_diagonal & connects[_part(axis, 0, -1)]
+            euler += int(is_full.sum()) - int(is_joined.sum())
+    inner = itertools.product((slice(None, -1), slice(1, None)), repeat=kept.ndim)
+    is_full = np.logical_and.reduce([kept[part] for part in inner])
+    euler += int(is_full.sum()) * (1 if kept.ndim == 2 else -1)
+    around = _cells_around(kept, connects).astype(bool).reshape(-1, *(2,) * kept.ndim)
+    return euler + len(around) - int(_euler_of_links(around).sum())
 
 
 def effective_betti(kept: BoolArray, connects: BoolArray, separates: BoolArray) -> BettiNumbers:
@@ -60,9 +95,9 @@ def effective_betti(kept: BoolArray, connects: BoolArray, separates: BoolArray) 
     Parameters
     ----------
     kept
-        Kept cells of a 2D grid, shape n.
+        Kept cells, shape n, in 2D or 3D.
     connects, separates
-        Grid vertices decided to connect and to separate, shape ``n + 1`` each.
+        Pinches decided to connect and to separate, shape ``n + 1`` each.
 
     Examples
     --------
@@ -76,4 +111,46 @@ def effective_betti(kept: BoolArray, connects: BoolArray, separates: BoolArray) 
     _, n_components = label_components(kept, connects)
     # One more layer of empty cells joins everything outside the grid into one component.
     _, n_empty = label_components(~np.pad(kept, 1), np.pad(separates, 1))
-    return BettiNumbers(n_components, n_empty - 1)
+    if kept.ndim == 2:
+        return BettiNumbers(n_components, n_empty - 1)
+    euler = count_euler_characteristic(kept, connects)
+    return BettiNumbers(n_components, n_components + n_empty - 1 - euler, n_empty - 1)
+
+
+def _part(axis: int, start: int, stop: int | None) -> tuple[slice, ...]:
+    """Return the index of a range along one axis."""
+    return (slice(None),) * axis + (slice(start, stop),)
+
+
+def _cells_around(cells: np.ndarray, at_vertex: BoolArray) -> IntArray:
+    """Return the values of the ``2**dim`` cells around marked vertices, 0 outside the grid."""
+    padded = np.pad(cells, 1)
+    windows = itertools.product((slice(None, -1), slice(1, None)), repeat=cells.ndim)
+    return np.stack([padded[window][at_vertex] for window in windows], axis=1).astype(np.int64)
+
+
+def _edges_along(kept: BoolArray, axis: int) -> tuple[BoolArray, BoolArray]:
+    """Return which grid edges along an axis have four kept cells, and which a diagonal of two."""
+    padded = np.moveaxis(np.pad(kept, [(0, 0) if k == axis else (1, 1) for k in range(3)]), axis, 0)
+    a, b = padded[:, :-1, :-1], padded[:, 1:, :-1]
+    c, d = padded[:, :-1, 1:], padded[:, 1:, 1:]
+    is_diagonal = (a == d) & (b == c) & (a != b)
+    return np.moveaxis(a & b & c & d, 0, axis), np.moveaxis(is_diagonal, 0, axis)
+
+
+def _euler_of_links(around: BoolArray) -> IntArray:
+    """Return the Euler characteristic of the links of connected pinches, shape (m,).
+
+    The link holds the kept cells, their shared faces and, in 3D, the edges with four kept cells
+    (a disk) or a diagonal of two (an arc between them).
+    """
+    euler = around.sum(axis=tuple(range(1, around.ndim)))
+    for axis in range(1, around.ndim):
+        low, high = np.moveaxis(around, axis, 0)
+        euler -= (low & high).sum(axis=tuple(range(1, low.ndim)))
+        if around.ndim == 4:
+            for four in (low, high):
+                a, b, c, d = four[:, 0, 0], four[:, 1, 0], four[:, 0, 1], four[:, 1, 1]
+                euler += (a & b & c & d).astype(np.int64)
+                euler -= ((a == d) & (b == c) & (a != b)).astype(np.int64)
+    return np.asarray(euler, dtype=np.int64)

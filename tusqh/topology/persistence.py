@@ -89,7 +89,8 @@ def locate_pairs(pairs: pd.DataFrame, grid: BackgroundGrid) -> pd.DataFrame:
         doubled = np.stack(np.unravel_index(np.where(is_there, place, 0), shape), axis=1)
         kind = np.array(PLACES[grid.dim], dtype=object)[(doubled % 2).sum(axis=1)]
         points = grid.to_points(doubled / 2.0)
-        located[f"{event}_at"] = np.where(is_there, kind, None)
+        kind[~is_there] = None
+        located[f"{event}_at"] = kind
         for axis in range(grid.dim):
             index = pd.Series(doubled[:, axis] // 2, dtype="Int64")
             index[~is_there] = pd.NA

@@ -1,0 +1,41 @@
+"""The effective count against the full machinery on the complex with the decisions built in."""
+
+import numpy as np
+import pytest
+
+from tusqh.antialias.clusters import CONNECT, SEPARATE, decide_by_vote
+from tusqh.antialias.pinches import find_pinches
+from tusqh.topology.curves import betti_curves
+from tusqh.topology.effective import count_euler_characteristic, effective_betti
+from tusqh.topology.persistence import betti_at, persistence_pairs, require_agreement
+
+
+def decided_nodes(kept, connects):
+    """The nodes of the complex as fractions 0 and 1: clamping decides all but the pinches."""
+    values = np.zeros(tuple(2 * n + 1 for n in kept.shape))
+    values[(slice(1, None, 2),) * kept.ndim] = kept
+    values[(slice(None, None, 2),) * kept.ndim] = connects
+    for axis in range(kept.ndim if kept.ndim == 3 else 0):
+        # An edge between two connected pinches is connected, every other one may be out.
+        parity = tuple(slice(1 if k == axis else 0, None, 2) for k in range(3))
+        ends = [connects[(slice(None),) * axis + (part,)] for part in (slice(-1), slice(1, None))]
+        values[parity] = ends[0] & ends[1]
+    return values
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("seed", range(60))
+def test_random_cells_and_decisions(dim, seed):
+    rng = np.random.default_rng(seed)
+    for _ in range(4):
+        shape = tuple(rng.integers(1, 8 if dim == 2 else 6, dim))
+        kept = rng.random(shape) < rng.uniform(0.1, 0.9)
+        is_pinch = find_pinches(kept)
+        at_vertex = decide_by_vote(is_pinch, rng.random(is_pinch.shape) < 0.5).at_vertex
+        connects, separates = at_vertex == CONNECT, at_vertex == SEPARATE
+        predicted = effective_betti(kept, connects, separates)
+        values = decided_nodes(kept, connects)
+        plateaus = betti_curves(values)
+        require_agreement(persistence_pairs(values), plateaus, (0, 1), name="decided")
+        assert predicted == betti_at(plateaus, 1.0)
+        assert count_euler_characteristic(kept, connects) == predicted.euler_characteristic
