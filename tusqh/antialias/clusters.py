@@ -6,14 +6,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from scipy import ndimage
 
+from tusqh.antialias.policy import MixedPinches
 from tusqh.grid import BoolArray, FloatArray, IntArray
-
-MixedPinches = Literal["separate", "connect", "majority"]
 
 #: Values of `Decisions.at_vertex`.
 SEPARATE, NONE, CONNECT = -1, 0, 1

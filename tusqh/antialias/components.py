@@ -1,6 +1,9 @@
-"""Small components: found after the pinches were decided, removed only with a record.
+"""Small components and holes: found after the pinches were decided, gone only with a record.
 
-Paper: Anti-aliasing, the end of the paragraph on archipelagos.
+Paper: Anti-aliasing, the end of the paragraph on archipelagos.  Removing a component and filling
+a hole (in 3D a void) are the same operation on the cells and on their complement.  Neither makes
+a new pinch: the cells around a vertex other than a pinch are joined there, kept and empty ones
+alike, so they stay or go together.
 """
 
 from __future__ import annotations
@@ -9,79 +12,93 @@ import numpy as np
 import pandas as pd
 from scipy import ndimage
 
-from tusqh.antialias.clusters import CONNECT, Decisions
-from tusqh.grid import BoolArray
+from tusqh.antialias.policy import Criteria
+from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.sampling.fractions import VolumeFractions
-from tusqh.topology.effective import label_components
+
+#: Columns of the table of removed components and filled holes, before the coordinates.
+COLUMNS = ["feature", "cells", "volume", "persistence", "smallest_fraction", "largest_fraction"]
+COLUMNS += ["interior_sub_cells"]
 
 
-def remove_small_components(
-    kept: BoolArray,
-    decisions: Decisions,
+def drop_features(
+    labels: IntArray,
+    criteria: Criteria,
     fractions: VolumeFractions,
+    persistence: FloatArray,
     *,
     threshold: float,
-    min_cells: int,
+    feature: str,
 ) -> tuple[BoolArray, pd.DataFrame]:
-    """Return the cells without components of fewer than `min_cells` cells, and what went.
+    """Return the cells of the features that do not meet the criteria, and a row for each.
 
     Parameters
     ----------
-    kept
-        Kept cells, shape n.
-    decisions
-        Pinch decisions; connected pinches make one component of two.
+    labels
+        Feature that every cell belongs to, from 1; 0 elsewhere, shape n.
+    criteria
+        What a feature needs to stay.
     fractions
         Volume fractions, for the record.
+    persistence
+        Persistence of the class that each cell creates (or, for holes, destroys), shape n; a
+        feature lives as long as the longest-lived of its cells' classes.
     threshold
         Volume-fraction threshold, for counting interior sub-cells.
-    min_cells
-        Components with fewer background-grid cells go; 1 removes nothing.
+    feature
+        ``"component"``, ``"hole"`` or ``"void"``, for the table.
 
     Returns
     -------
-    remaining
-        Kept cells without the removed ones, shape n.
-    removed
-        One row per removed component: its number, cells, volume (model units**dim), largest
-        cell fraction, interior edges and vertices among its cells' sub-cells, and its centre.
+    is_dropped
+        Their cells, shape n.
+    table
+        One row per dropped feature: what it is, cells, volume (model units**dim), persistence,
+        smallest and largest cell fraction, interior edges and vertices among its cells'
+        sub-cells, and its centre (model units).
     """
-    labels, n_components = label_components(kept, decisions.at_vertex == CONNECT)
-    n_cells = np.bincount(labels.ravel(), minlength=n_components + 1)
-    is_small = n_cells < min_cells
-    is_small[0] = False
-    numbers = np.flatnonzero(is_small)
-    is_removed = is_small[labels]
+    n_cells = np.bincount(labels.ravel())
+    numbers = np.arange(1, len(n_cells))
     grid = fractions.grid
-    centres = np.array(ndimage.center_of_mass(kept, labels, numbers)).reshape(-1, grid.dim)
+    volume = n_cells * grid.cell_size**grid.dim
+    lives = np.zeros(len(n_cells))
+    np.maximum.at(lives, labels.ravel(), persistence.ravel())
+    is_small = (n_cells < criteria.min_cells) | (volume < criteria.min_volume)
+    is_small |= lives < criteria.min_persistence
+    if criteria.keep is not None:
+        ranked = numbers[np.lexsort((numbers, -n_cells[1:], -lives[1:]))]
+        is_small[ranked[criteria.keep :]] = True
+    is_small[0] = False
+    dropped = np.flatnonzero(is_small)
+    is_dropped = is_small[labels]
+    centres = np.array(ndimage.center_of_mass(is_dropped, labels, dropped)).reshape(-1, grid.dim)
     places = grid.to_points(centres + 0.5)
-    table = pd.DataFrame(
-        {
-            "component": numbers,
-            "cells": n_cells[numbers],
-            "volume": n_cells[numbers] * grid.cell_size**grid.dim,
-            "largest_fraction": np.array(ndimage.maximum(fractions.cells, labels, numbers)),
-            "interior_sub_cells": _count_interior_sub_cells(
-                np.where(is_removed, labels, 0), fractions, threshold
-            )[numbers],
-            **{axis: places[:, k] for k, axis in enumerate("xyz"[: grid.dim])},
-        }
-    )
-    return kept & ~is_removed, table
+    values = [
+        np.full(len(dropped), feature),
+        n_cells[dropped],
+        volume[dropped],
+        lives[dropped],
+        np.array(ndimage.minimum(fractions.cells, labels, dropped)),
+        np.array(ndimage.maximum(fractions.cells, labels, dropped)),
+        _count_interior_sub_cells(np.where(is_dropped, labels, 0), fractions, threshold)[dropped],
+    ]
+    table = pd.DataFrame(dict(zip(COLUMNS, values, strict=True)))
+    for axis in range(grid.dim):
+        table["xyz"[axis]] = places[:, axis]
+    return is_dropped, table
 
 
 def _count_interior_sub_cells(
-    labels: np.ndarray[tuple[int, ...], np.dtype[np.int64]],
-    fractions: VolumeFractions,
-    threshold: float,
-) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    """Count, for every component, the sub-cells of its cells with ``F >= threshold``."""
+    labels: IntArray, fractions: VolumeFractions, threshold: float
+) -> IntArray:
+    """Count, for every feature, the sub-cells of its cells with ``F >= threshold``."""
+    n = int(labels.max(initial=0)) + 1
+    if n == 1:
+        return np.zeros(1, dtype=np.int64)
     doubled = np.zeros(fractions.values.shape, dtype=np.int64)
     doubled[(slice(1, None, 2),) * labels.ndim] = labels
     is_cell = doubled > 0
-    # Sub-cells between two components cannot tell them apart; they count for the later one.
+    # Sub-cells between two features cannot tell them apart; they count for the later one.
     around = ndimage.grey_dilation(doubled, size=(3,) * labels.ndim)
     is_interior = (fractions.values >= threshold) & (around > 0) & ~is_cell
-    return np.bincount(around[is_interior], minlength=int(labels.max(initial=0)) + 1).astype(
-        np.int64
-    )
+    return np.bincount(around[is_interior], minlength=n).astype(np.int64)

@@ -1,103 +1,124 @@
-"""From volume fractions and a threshold to a manifold mesh and the topology it must have."""
+"""From kept cells and decisions to a manifold mesh, its bridges accepted by measurement."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from scipy import ndimage
 
-from tusqh.antialias.clusters import (
-    CONNECT,
-    NONE,
-    SEPARATE,
-    Decisions,
-    MixedPinches,
-    decide_by_fraction,
-)
-from tusqh.antialias.components import remove_small_components
-from tusqh.antialias.pinches import find_pinches
+from tusqh.antialias.bridges import REJECTED, Bridge
+from tusqh.antialias.cells import CellSet
+from tusqh.antialias.clusters import CONNECT, NONE, Decisions
 from tusqh.antialias.templates_2d import emit_quads
 from tusqh.errors import MeshError
-from tusqh.grid import BackgroundGrid, BoolArray
+from tusqh.grid import BackgroundGrid, BoolArray, IntArray
 from tusqh.mesh.betti import betti_by_euler
 from tusqh.mesh.checks import find_non_manifold_points
 from tusqh.mesh.facets import find_facets
 from tusqh.mesh.volume_mesh import VolumeMesh
-from tusqh.sampling.fractions import VolumeFractions
 from tusqh.topology.betti_numbers import BettiNumbers
-from tusqh.topology.effective import effective_betti
 
 #: More rounds of closing than ever seen (3) mean that the scheme itself is broken.
 MAX_CLOSING_ROUNDS = 8
 
 
 @dataclass(frozen=True)
-class CellSet:
-    """The cells kept at a threshold, with all decisions made and small components gone.
+class Resolved:
+    """A finished mesh.
 
     Parameters
     ----------
-    kept
-        Kept cells after removal, shape n.
-    decisions
-        Decisions at the pinches of the cells before removal.
-    removed
-        One row per removed component, see `remove_small_components`.
-    predicted
-        Betti numbers that the mesh of these cells must have.
+    mesh
+        The mesh.
+    cells
+        The cells it was made of; bridges that the mesh disagreed with are gone from them.
+    closing_rounds
+        Rounds of closing that it took, see `resolve`.
     """
 
-    kept: BoolArray
-    decisions: Decisions
-    removed: pd.DataFrame
-    predicted: BettiNumbers
+    mesh: VolumeMesh
+    cells: CellSet
+    closing_rounds: int
 
 
-def keep_cells(
-    fractions: VolumeFractions,
-    *,
-    threshold: float,
-    min_cells: int = 1,
-    mixed_pinches: MixedPinches = "separate",
-) -> CellSet:
-    """Return the cells at a threshold, their pinch decisions and the predicted topology.
+def build_mesh(cells: CellSet, grid: BackgroundGrid, *, name: str = "mesh") -> Resolved:
+    """Return the manifold mesh of a cell set, with every bridge that it accepts.
 
-    Decisions are made once, on all cells.  Removing a component makes no new pinch: the cells
-    around a vertex other than a pinch are joined there, so they stay or go together.
+    Bridges are accepted when the mesh with them, measured, has fewer components than the mesh
+    without them by the number of those that join components, and further holes by the number of
+    the others.  All are tried at once; should the measurement disagree, one after the other.
 
     Parameters
     ----------
-    fractions
-        Volume fractions of cells and sub-cells.
-    threshold
-        Cells with at least this volume fraction are kept, dimensionless.
-    min_cells
-        Components with fewer cells are removed; 1 removes nothing.
-    mixed_pinches
-        What to do with clusters of pinches that disagree.
+    cells
+        Kept cells, decisions and bridges.
+    grid
+        The background grid.
+    name
+        The model, for messages.
+
+    Raises
+    ------
+    MeshError
+        As `resolve`, for the mesh without bridges.
     """
-    kept = fractions.cells >= threshold
-    decisions = decide_by_fraction(
-        find_pinches(kept), fractions.vertices, threshold=threshold, mixed_pinches=mixed_pinches
+    mesh, n_rounds = resolve(cells.kept, cells.decisions, grid, name=name)
+    if not cells.bridges:
+        return Resolved(mesh, cells, n_rounds)
+    without = cells.with_bridges([], cells.bridge_table)
+    accepted = _accept(without, cells.bridges, cells, mesh, grid)
+    if accepted is not None:
+        return accepted
+    done = Resolved(mesh, without, n_rounds)
+    table = cells.bridge_table.copy()
+    for bridge in cells.bridges:
+        tried = done.cells.with_bridges([*done.cells.bridges, bridge], table)
+        accepted = _accept(done.cells, [bridge], tried, done.mesh, grid)
+        if accepted is None:
+            table.loc[bridge.row, "status"] = REJECTED
+        else:
+            done = accepted
+    return Resolved(
+        done.mesh, done.cells.with_bridges(done.cells.bridges, table), done.closing_rounds
     )
-    kept, removed = remove_small_components(
-        kept, decisions, fractions, threshold=threshold, min_cells=min_cells
+
+
+def _accept(
+    before: CellSet,
+    bridges: Sequence[Bridge],
+    after: CellSet,
+    mesh: VolumeMesh,
+    grid: BackgroundGrid,
+) -> Resolved | None:
+    """Return the mesh with more bridges when its Betti numbers changed as they should."""
+    try:
+        joined, n_rounds = resolve(
+            after.kept,
+            after.decisions,
+            grid,
+            bridges=[bridge.vertices for bridge in after.bridges],
+            name=mesh.name,
+        )
+    except MeshError:
+        return None
+    n_joining = before.predicted.betti_0 - after.predicted.betti_0
+    was = betti_by_euler(mesh)
+    expected = BettiNumbers(
+        was.betti_0 - n_joining, was.betti_1 + len(bridges) - n_joining, was.betti_2
     )
-    is_pinch = find_pinches(kept)
-    decisions = replace(
-        decisions, at_vertex=np.where(is_pinch, decisions.at_vertex, NONE).astype(np.int8)
-    )
-    predicted = effective_betti(
-        kept, decisions.at_vertex == CONNECT, decisions.at_vertex == SEPARATE
-    )
-    return CellSet(kept=kept, decisions=decisions, removed=removed, predicted=predicted)
+    return Resolved(joined, after, n_rounds) if betti_by_euler(joined) == expected else None
 
 
 def resolve(
-    kept: BoolArray, decisions: Decisions, grid: BackgroundGrid, *, name: str = "mesh"
+    kept: BoolArray,
+    decisions: Decisions,
+    grid: BackgroundGrid,
+    *,
+    bridges: Sequence[IntArray] = (),
+    name: str = "mesh",
 ) -> tuple[VolumeMesh, int]:
     """Return the manifold mesh of kept cells and the rounds of closing that it took.
 
@@ -112,6 +133,8 @@ def resolve(
         What to do at every pinch of them.
     grid
         The background grid, of shape n.
+    bridges
+        Paths of grid vertices along which strips join components, shape (m, 2) each.
     name
         The model, for messages.
 
@@ -124,6 +147,7 @@ def resolve(
     --------
     >>> import numpy as np
     >>> from tusqh.antialias.clusters import decide_by_vote
+    >>> from tusqh.antialias.pinches import find_pinches
     >>> kept = np.eye(2, dtype=bool)
     >>> pinches = find_pinches(kept)
     >>> grid = BackgroundGrid(shape=(2, 2), cell_size=1.0, origin=(0.0, 0.0))
@@ -133,7 +157,7 @@ def resolve(
     """
     at_vertex = decisions.at_vertex.copy()
     for n_rounds in range(MAX_CLOSING_ROUNDS + 1):
-        mesh, grid_vertex = emit_quads(kept, at_vertex, grid, name=name)
+        mesh, grid_vertex = emit_quads(kept, at_vertex, grid, bridges=bridges, name=name)
         squeezed = grid_vertex[find_non_manifold_points(find_facets(mesh.cells))]
         is_new = (squeezed >= 0) & (at_vertex.ravel()[squeezed] == NONE)
         if len(squeezed) == 0:
@@ -165,7 +189,9 @@ def describe_mesh(mesh: VolumeMesh, cells: CellSet, grid: BackgroundGrid) -> dic
         "pinches_connected": int((cells.decisions.at_vertex == CONNECT).sum()),
         "pinch_clusters": cells.decisions.n_clusters,
         "clusters_overruled": cells.decisions.n_overruled_clusters,
-        "removed_components": len(cells.removed),
+        "bridges": cells.n_bridges,
+        "removed_components": cells.count_dropped("component"),
+        "filled_holes": len(cells.dropped) - cells.count_dropped("component"),
         "betti_predicted": list(cells.predicted),
         "betti_measured": list(betti_by_euler(mesh)),
     }

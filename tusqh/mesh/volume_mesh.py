@@ -9,8 +9,8 @@ import numpy as np
 from tusqh.grid import FloatArray, IntArray
 
 #: What an element is, by the number in `VolumeMesh.kind`.
-KINDS = ("grid cell", "inner cell", "separating template", "connecting template")
-GRID_CELL, INNER_CELL, SEPARATING, CONNECTING = range(4)
+KINDS = ("grid cell", "inner cell", "separating template", "connecting template", "bridge")
+GRID_CELL, INNER_CELL, SEPARATING, CONNECTING, BRIDGE = range(5)
 
 
 @dataclass(frozen=True)
