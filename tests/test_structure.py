@@ -16,7 +16,7 @@ from packaging.version import Version
 LAYERS = [
     *("errors", "atomic", "progress", "grid", "geometry", "sampling", "topology", "mesh"),
     *("antialias", "threshold", "simulate", "quality", "figures", "tables", "provenance"),
-    *("config", "cli", "__main__"),
+    *("certificate", "config", "cli", "__main__"),
 ]
 
 

@@ -15,6 +15,9 @@ from tusqh.errors import ConfigError
 
 Mapping = dict[str, Any]
 
+#: Keys of a model that say how its threshold is chosen; at most one is given.
+GOALS = ("threshold", "target", "persistence", "volume")
+
 
 class _UniqueKeyLoader(yaml.SafeLoader):
     """YAML in which a key that stands twice is an error instead of the last one winning."""
@@ -93,10 +96,18 @@ def load_config(paths: Iterable[Path], schema_path: Path, overrides: Mapping) ->
     validate(config, schema, where=" + ".join(names) or "--config")
     _require_distinct_names(config["models"], where=" + ".join(names))
     _fill_defaults(config, schema)
-    for model in config["models"].values():
+    for name, model in config["models"].items():
         _fill_defaults(model, schema["$defs"]["model"])
-        if "target" not in model:
-            model.setdefault("threshold", 0.5)
+        goals = [goal for goal in GOALS if goal in model]
+        if len(goals) > 1:
+            raise ConfigError(
+                f"the keys {' and '.join(f'`{goal}`' for goal in goals)} are given",
+                where=f"{' + '.join(names)}: models.{name}",
+                expected="one of them: each says how to choose the threshold",
+                remedy="remove the others",
+            )
+        if not goals:
+            model["threshold"] = 0.5
     return config
 
 
@@ -142,12 +153,6 @@ def _explain(error: jsonschema.ValidationError) -> tuple[str, str, str]:
             f"the model name {name} is no plain file name",
             'letters, digits, "_" and "-", starting with a letter or digit',
             "rename the model",
-        )
-    if rule == "not":
-        return (
-            "both `threshold` and `target` are given",
-            "one of them",
-            "remove `threshold` to choose by Betti numbers, or `target` to fix the threshold",
         )
     allowed_text = {
         "enum": lambda: "one of " + ", ".join(map(str, schema["enum"])),

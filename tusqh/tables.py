@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from tusqh.antialias.resolve import CellSet
+from tusqh.antialias.cells import CellSet
 from tusqh.atomic import write_text
 from tusqh.mesh.betti import betti_by_boundary, betti_by_euler
 from tusqh.mesh.checks import check_mesh
@@ -43,9 +43,7 @@ def write_markdown(path: Path, table: pd.DataFrame) -> None:
     write_text(path, table.to_markdown(index=False) + "\n")
 
 
-def verification_row(
-    mesh: VolumeMesh, cells: CellSet, *, grid: str, threshold: float
-) -> dict[str, Any]:
+def verification_row(mesh: VolumeMesh, cells: CellSet, *, grid: str) -> dict[str, Any]:
     """Return one row of the verification table: what was predicted and what the mesh has.
 
     `holds` means: sound by every check, scaled Jacobians within the bound, and the predicted
@@ -59,8 +57,6 @@ def verification_row(
         The cells it was made of, with the prediction.
     grid
         The grid's shape, as 60x79.
-    threshold
-        Volume-fraction threshold, dimensionless.
     """
     checks = {check.name: bool(check.holds) for check in check_mesh(mesh)}
     measured = betti_by_euler(mesh)
@@ -72,7 +68,7 @@ def verification_row(
         and smallest >= SCALED_JACOBIAN_2D - 1e-8
     )
     values = [
-        *(mesh.name, mesh.dim, grid, threshold, int(cells.kept.sum()), mesh.n_cells),
+        *(mesh.name, mesh.dim, grid, cells.threshold, int(cells.kept.sum()), mesh.n_cells),
         *(cells.decisions.n_clusters, cells.decisions.n_overruled_clusters),
         *cells.predicted,
         *measured,
@@ -110,7 +106,10 @@ def summary_row(
         "betti_measured": str(tuple(mesh_facts["betti_measured"])),
         "pinches": mesh_facts["pinches"],
         "pinch_clusters": mesh_facts["pinch_clusters"],
+        "clusters_overruled": mesh_facts["clusters_overruled"],
+        "bridges": mesh_facts["bridges"],
         "removed_components": mesh_facts["removed_components"],
+        "filled_holes": mesh_facts["filled_holes"],
         "min_scaled_jacobian": float(found.get("smallest scaled Jacobian", "nan")),
         "mass_relative_error": float(mass["mass_relative_error"].abs().max()),
         "verdict": overall(verdict),

@@ -175,8 +175,10 @@ def resolve(
     )
 
 
-def describe_mesh(mesh: VolumeMesh, cells: CellSet, grid: BackgroundGrid) -> dict[str, Any]:
+def describe_mesh(resolved: Resolved, grid: BackgroundGrid) -> dict[str, Any]:
     """Return the facts about a mesh that tables quote, as plain numbers for JSON."""
+    mesh, cells = resolved.mesh, resolved.cells
+    n_removed = cells.count_dropped("component")
     return {
         "model": mesh.name,
         "dimension": mesh.dim,
@@ -190,8 +192,9 @@ def describe_mesh(mesh: VolumeMesh, cells: CellSet, grid: BackgroundGrid) -> dic
         "pinch_clusters": cells.decisions.n_clusters,
         "clusters_overruled": cells.decisions.n_overruled_clusters,
         "bridges": cells.n_bridges,
-        "removed_components": cells.count_dropped("component"),
-        "filled_holes": len(cells.dropped) - cells.count_dropped("component"),
+        "removed_components": n_removed,
+        "filled_holes": len(cells.dropped) - n_removed,
+        "closing_rounds": resolved.closing_rounds,
         "betti_predicted": list(cells.predicted),
         "betti_measured": list(betti_by_euler(mesh)),
     }

@@ -13,7 +13,7 @@ from scipy import ndimage
 from tusqh.antialias.pinches import find_pinches
 from tusqh.figures import style
 from tusqh.grid import FloatArray, IntArray
-from tusqh.mesh.volume_mesh import CONNECTING, SEPARATING, VolumeMesh
+from tusqh.mesh.volume_mesh import BRIDGE, CONNECTING, SEPARATING, VolumeMesh
 from tusqh.sampling.fractions import VolumeFractions
 
 #: Side of the close-up, in cells.
@@ -42,6 +42,7 @@ def draw_antialias(
     colours = np.full(mesh.n_cells, style.MATERIAL, dtype=object)
     colours[mesh.kind == SEPARATING] = style.SEPARATING
     colours[mesh.kind == CONNECTING] = style.CONNECTING
+    colours[mesh.kind == BRIDGE] = style.BRIDGE
     is_pinch = find_pinches(fractions.cells >= threshold)
     low, high = _busiest(is_pinch)
     lower, upper = (grid.to_points(np.array([c]))[0] / scale for c in (low, high))
@@ -67,8 +68,9 @@ def draw_antialias(
         Patch(color=style.REMOVED, label="removed cell"),
         Patch(color=style.CONNECTING, label="connecting template"),
         Patch(color=style.SEPARATING, label="separating template"),
+        Patch(color=style.BRIDGE, label="bridge"),
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=6, frameon=False)
+    figure.legend(handles=handles, loc="outside lower center", ncols=7, frameon=False)
     return figure
 
 

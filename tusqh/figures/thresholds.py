@@ -3,33 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from tusqh.antialias.resolve import keep_cells
+from tusqh.antialias.cells import CellSets
 from tusqh.figures import style
 from tusqh.geometry.outline import Outline
-from tusqh.sampling.fractions import VolumeFractions
 
 
 def draw_thresholds(
-    fractions: VolumeFractions,
-    outline: Outline,
-    thresholds: Sequence[float],
-    *,
-    name: str,
-    unit: str,
-    resolution: dict[str, Any],
+    cell_sets: CellSets, outline: Outline, thresholds: Sequence[float], *, name: str, unit: str
 ) -> Figure:
     """Return the paper's figure of a model at several thresholds.
 
     Parameters
     ----------
-    fractions
-        Volume fractions.
+    cell_sets
+        The cells of every threshold.
     outline
         The geometry, drawn over the cells.
     thresholds
@@ -38,9 +30,8 @@ def draw_thresholds(
         The model, for the title.
     unit
         Unit of length of the geometry.
-    resolution
-        `min_cells` and `mixed_pinches`, as for `keep_cells`.
     """
+    fractions = cell_sets.fractions
     grid = fractions.grid
     scale, unit = style.length_scale(max(grid.shape) * grid.cell_size, unit)
     lower, upper = np.divide(grid.origin, scale), np.divide(grid.upper, scale)
@@ -49,9 +40,13 @@ def draw_thresholds(
         1, len(thresholds), width=3.6 * len(thresholds), height=3.3 * ratio + 0.9
     )
     for panel, threshold in zip(axes[0], thresholds, strict=True):
-        cells = keep_cells(fractions, threshold=threshold, **resolution)
-        is_removed = (fractions.cells >= threshold) & ~cells.kept
-        for mask, colour in ((cells.kept, style.MATERIAL), (is_removed, style.REMOVED)):
+        cells = cell_sets.at(threshold)
+        is_kept_by_fraction = fractions.cells >= threshold
+        for mask, colour in (
+            (cells.kept & is_kept_by_fraction, style.MATERIAL),
+            (is_kept_by_fraction & ~cells.kept, style.REMOVED),
+            (cells.kept & ~is_kept_by_fraction, style.FILLED),
+        ):
             corners = np.argwhere(mask)[:, None] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
             points = grid.to_points(corners.reshape(-1, 2)) / scale
             quads = np.arange(len(points)).reshape(-1, 4)
@@ -65,9 +60,10 @@ def draw_thresholds(
         )
     handles = [
         Patch(color=style.MATERIAL, label="kept cells"),
-        Patch(color=style.REMOVED, label=f"removed: fewer than {resolution['min_cells']} cells"),
+        Patch(color=style.REMOVED, label="removed components"),
+        Patch(color=style.FILLED, label="filled holes"),
         Patch(color=style.OUTLINE, label="geometry, as it is"),
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
+    figure.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False)
     figure.suptitle(f"{name}, {grid.label} cells")
     return figure

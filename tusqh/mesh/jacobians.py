@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tusqh.grid import FloatArray, IntArray
+from tusqh.mesh.facets import HEX_FACETS
 
 #: Neighbours of every corner, ordered so that a valid element has positive determinants.
 QUAD_NEIGHBOURS: IntArray = np.array([[1, 3], [2, 0], [3, 1], [0, 2]], dtype=np.int64)
@@ -54,3 +55,28 @@ def _determinant(edges: FloatArray) -> FloatArray:
     if edges.shape[-1] == 2:
         return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
     return np.asarray((np.cross(a, b) * edges[..., 2, :]).sum(axis=-1))
+
+
+def element_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
+    """Return the area of every quad or the volume of every hex, shape (m,), model units**dim.
+
+    Hex faces are bilinear: the mean of both ways to cut each of them into triangles is exact.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])
+    >>> element_volumes(square, np.array([[0, 1, 2, 3]])).tolist()
+    [2.0]
+    >>> cube = np.array([[x, y, z] for z in (0.0, 1.0)
+    ...                  for x, y in ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))])
+    >>> element_volumes(cube, np.array([[0, 1, 2, 3, 4, 5, 6, 7]])).tolist()
+    [1.0]
+    """
+    corners = points[cells] - points[cells[:, :1]]
+    if cells.shape[1] == 4:
+        diagonals = corners[:, 2:] - corners[:, :2]
+        return np.asarray(np.linalg.det(diagonals) / 2 if len(cells) else np.zeros(0))
+    a, b, c, d = np.moveaxis(corners[:, HEX_FACETS], 2, 0)
+    triangles = [(a, b, c), (a, c, d), (a, b, d), (b, c, d)]
+    volumes = sum(np.einsum("mfi,mfi->m", p, np.cross(q, r)) for p, q, r in triangles)
+    return np.asarray(volumes / 12)

@@ -1,148 +1,115 @@
-"""The choice of a threshold: a fixed one, or one whose mesh has the wanted Betti numbers.
+"""The choice of a threshold, and the loop that proves it: predict, mesh, measure, or go on.
 
-Algorithm notes 3: the plateaus whose predicted, effective Betti numbers match are ranked; the
-mesh of the best one is made and measured, and the next one tried should the two ever differ.
+Algorithm notes 3.  A user fixes the threshold, or asks for Betti numbers, for features that live
+long, or for the volume of the geometry.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from tusqh.antialias.clusters import MixedPinches
-from tusqh.antialias.resolve import keep_cells, resolve
+from tusqh.antialias.cells import CellSet, CellSets
+from tusqh.antialias.policy import Criteria
+from tusqh.antialias.resolve import build_mesh
 from tusqh.errors import TopologyError
-from tusqh.mesh.betti import betti_by_euler
-from tusqh.sampling.fractions import VolumeFractions
+from tusqh.mesh.betti import betti_by_boundary, betti_by_euler
+from tusqh.mesh.jacobians import element_volumes
+from tusqh.threshold.goals import Target, describe, distances, is_met, matches
+from tusqh.threshold.plateaus import BETTI, list_reachable, merge_intervals
 from tusqh.topology.betti_numbers import BettiNumbers
+from tusqh.topology.persistence import DIAGRAM_CELLS, count_alive, paired_dimensions
 
-Target = dict[str, int]
+CHOSEN, NOT_TRIED, DISAGREES = "chosen", "not tried", "measurement disagrees"
 
-#: Fields of open outlines have tens of thousands of plateaus, nearly all too narrow to be a
-#: robust choice; only this many of the widest are looked at.
-MAX_PLATEAUS = 1000
+#: So many thresholds, nearest by the volume of their cells, are meshed to match a volume.
+VOLUME_TRIALS = 10
 
 
 @dataclass(frozen=True)
 class Selection:
-    """A threshold and why it was chosen.
+    """A threshold, why it was chosen, and how robust the choice is.
 
     Parameters
     ----------
     threshold
         Dimensionless, in (0, 1].
+    lower, upper
+        Every examined threshold ``t`` with ``lower < t <= upper`` has the same Betti numbers.
     margin
+        Distance of the threshold to the nearer end of that interval.
+    cell_margin
         Distance to the nearest fraction of a cell or sub-cell, where the cells may change.
+    unexamined
+        Width within the interval that no examined plateau covers.
+    wanted
+        What was asked for, in words.
+    raw
+        Betti numbers of the filtration, where every pinch follows its own sub-cell.
     predicted
         Betti numbers that the mesh will have.
     reason
         One sentence for people.
+    without_features
+        The thresholds that give the same Betti numbers with no feature removed or filled, in
+        words; empty where none does, or where the choice needs none of it.
+    policy
+        What to do about pinches and small features, for `Policy.from_settings`.
     """
 
     threshold: float
+    lower: float
+    upper: float
     margin: float
+    cell_margin: float
+    unexamined: float
+    wanted: str
+    raw: BettiNumbers
     predicted: BettiNumbers
     reason: str
+    without_features: str
+    policy: dict[str, Any]
+
+    @classmethod
+    def from_dict(cls, values: dict[str, Any]) -> Selection:
+        """Return the selection that `dataclasses.asdict` described, for instance from JSON."""
+        numbers = {key: BettiNumbers(*values[key]) for key in ("raw", "predicted")}
+        return cls(**{**values, **numbers})
 
 
-def predict_plateaus(
-    fractions: VolumeFractions,
-    plateaus: pd.DataFrame,
-    *,
-    min_cells: int = 1,
-    mixed_pinches: MixedPinches = "separate",
-    progress: Callable[[int, int], None] | None = None,
-) -> pd.DataFrame:
-    """Return the plateaus with the Betti numbers that their meshes will have.
-
-    Parameters
-    ----------
-    fractions
-        Volume fractions.
-    plateaus
-        Plateaus with raw Betti numbers, see `tusqh.topology.persistence.list_plateaus`.
-    min_cells, mixed_pinches
-        As for `tusqh.antialias.resolve.keep_cells`.
-    progress
-        Called with (plateaus done, plateaus in all).
-
-    Returns
-    -------
-    predicted
-        The `MAX_PLATEAUS` widest plateaus, the raw Betti numbers renamed ``raw_*``, with `cells`
-        kept, `clusters` of pinches, `overruled` ones, components `removed`, and
-        `betti_0`, `betti_1`, `betti_2` of the mesh.
-    """
-    widest = plateaus["width"].nlargest(MAX_PLATEAUS).index.sort_values()
-    wide = plateaus.loc[widest].reset_index(drop=True)
-    rows = []
-    for done, threshold in enumerate((wide["upper"] + wide["lower"]) / 2, start=1):
-        cells = keep_cells(
-            fractions, threshold=threshold, min_cells=min_cells, mixed_pinches=mixed_pinches
-        )
-        rows.append(
-            {
-                "cells": int(cells.kept.sum()),
-                "clusters": cells.decisions.n_clusters,
-                "overruled": cells.decisions.n_overruled_clusters,
-                "removed": len(cells.removed),
-                **cells.predicted._asdict(),
-            }
-        )
-        if progress is not None:
-            progress(done, len(wide))
-    raw = wide.rename(columns={f"betti_{k}": f"raw_betti_{k}" for k in range(3)})
-    return pd.concat([raw, pd.DataFrame(rows)], axis=1)
-
-
-def rank_candidates(predicted: pd.DataFrame, target: Target) -> pd.DataFrame:
-    """Return the plateaus that match a target, the widest first, then the closest to 1/2.
-
-    Examples
-    --------
-    >>> import pandas as pd
-    >>> predicted = pd.DataFrame({"upper": [1.0, 0.5, 0.4], "lower": [0.5, 0.4, 0.0],
-    ...                           "width": [0.5, 0.1, 0.4], "cells": 1,
-    ...                           "betti_0": [2, 1, 1], "betti_1": 0, "betti_2": 0})
-    >>> rank_candidates(predicted, {"betti_0": 1})["threshold"].tolist()
-    [0.2, 0.45]
-    """
-    matches = predicted["cells"] > 0
-    for name, wanted in target.items():
-        matches &= predicted[name] == wanted
-    candidates = predicted[matches].copy()
-    candidates["threshold"] = (candidates["upper"] + candidates["lower"]) / 2
-    candidates["distance"] = (candidates["threshold"] - 0.5).abs()
-    order = ["width", "distance", "threshold"]
-    ranked = candidates.sort_values(order, ascending=[False, True, False])
-    return ranked.drop(columns="distance").reset_index(drop=True)
-
-
-def select_threshold(
-    fractions: VolumeFractions,
+def choose_threshold(
+    cell_sets: CellSets,
     predicted: pd.DataFrame,
-    target: Target,
     *,
-    min_cells: int = 1,
-    mixed_pinches: MixedPinches = "separate",
+    pairs: pd.DataFrame | None = None,
+    threshold: float | None = None,
+    target: Target | None = None,
+    persistence: float | None = None,
+    volume: str | None = None,
     name: str = "model",
 ) -> tuple[Selection, pd.DataFrame]:
-    """Return the best threshold whose mesh is measured to have the wanted Betti numbers.
+    """Return the threshold that a configuration asks for, and all candidates.
 
     Parameters
     ----------
-    fractions
-        Volume fractions.
+    cell_sets
+        The cells of every threshold.
     predicted
-        Plateaus with predicted Betti numbers, see `predict_plateaus`.
+        Plateaus with predicted Betti numbers, see `tusqh.threshold.plateaus.predict_plateaus`.
+    pairs
+        Persistence pairs; needed for `persistence`.
+    threshold
+        Use this one; 0.5 when nothing is asked for.
     target
-        Wanted Betti numbers; those left out may have any value.
-    min_cells, mixed_pinches
-        As for `tusqh.antialias.resolve.keep_cells`.
+        Wanted Betti numbers.
+    persistence
+        Keep only features that live over at least this range of thresholds: by a threshold at
+        which no others live or, where there is none, by removing and filling exactly those.
+    volume
+        ``"match"``: as close as possible to the winding-number volume.
     name
         The model, for messages.
 
@@ -151,51 +118,166 @@ def select_threshold(
     selection
         The choice.
     candidates
-        All matching plateaus in the order they are tried.
+        Intervals in the order in which they are tried, with width, margin and `status`.
 
     Raises
     ------
     TopologyError
-        No plateau has the wanted numbers; the message lists what is reachable.
+        Nothing gives what is wanted; the message lists what is reachable.
     """
-    candidates = rank_candidates(predicted, target)
-    for rank, row in candidates.iterrows():
-        cells = keep_cells(
-            fractions, threshold=row["threshold"], min_cells=min_cells, mixed_pinches=mixed_pinches
+    if target is not None:
+        return _by_target(cell_sets, predicted, target, name)
+    if persistence is not None:
+        if pairs is None:
+            raise ValueError("`persistence` needs the persistence pairs")
+        return _by_persistence(cell_sets, predicted, pairs, persistence, name)
+    if volume is not None:
+        return _by_volume(cell_sets, predicted, name)
+    return _fixed(cell_sets, predicted, 0.5 if threshold is None else threshold, name)
+
+
+def rank_candidates(predicted: pd.DataFrame, is_wanted: pd.Series) -> pd.DataFrame:
+    """Return the intervals of wanted plateaus, the widest first, then the closest to 1/2.
+
+    Examples
+    --------
+    >>> predicted = pd.DataFrame({
+    ...     "upper": [1.0, 0.5, 0.4], "lower": [0.5, 0.4, 0.0], "width": [0.5, 0.1, 0.4],
+    ...     "threshold": [0.75, 0.45, 0.2], "cells": 1,
+    ...     "betti_0": [1, 2, 1], "betti_1": 0, "betti_2": 0})
+    >>> ranked = rank_candidates(predicted, predicted["betti_0"] == 1)
+    >>> ranked[["rank", "threshold", "status"]].values.tolist()
+    [[1, 0.75, 'not tried'], [2, 0.2, 'not tried']]
+    """
+    intervals = merge_intervals(predicted, is_wanted)
+    order = np.lexsort([(intervals["threshold"] - 0.5).abs(), -intervals["width"]])
+    ranked = intervals.iloc[order].reset_index(drop=True)
+    ranked.insert(0, "rank", np.arange(1, len(ranked) + 1))
+    ranked["status"] = NOT_TRIED
+    return ranked
+
+
+def _by_target(
+    cell_sets: CellSets, predicted: pd.DataFrame, target: Target, name: str
+) -> tuple[Selection, pd.DataFrame]:
+    candidates = rank_candidates(predicted, pd.Series(matches(predicted, target)))
+    chosen = _first_verified(cell_sets, candidates, target, name)
+    if chosen is not None:
+        row, cells = chosen
+        reason = (
+            f"number {row['rank']} of {len(candidates)} intervals with {describe(target)}: "
+            f"{row['lower']:.4g} < t <= {row['upper']:.4g}"
         )
-        mesh, _ = resolve(cells.kept, cells.decisions, fractions.grid, name=name)
-        if betti_by_euler(mesh) == cells.predicted:
-            selection = Selection(
-                threshold=float(row["threshold"]),
-                margin=float(row["width"]) / 2,
-                predicted=cells.predicted,
-                reason=f"number {int(str(rank)) + 1} of {len(candidates)} plateaus with "
-                f"{_describe(target)}: {row['lower']:.4g} < t <= {row['upper']:.4g}",
-            )
-            return selection, candidates
+        return _selection(cell_sets, predicted, row, cells, describe(target), reason), candidates
+    shown = predicted[predicted["cells"] > 0]
+    nearest = "none"
+    if len(shown):
+        row = shown.iloc[int(distances(shown, target).argmin())]
+        nearest = ", ".join(f"{key} = {row[key]:.0f}" for key in sorted(target))
     raise TopologyError(
-        f"no threshold gives {_describe(target)}",
+        f"no threshold gives {describe(target)}",
         where=name,
         expected="Betti numbers that some threshold reaches:\n" + list_reachable(predicted),
-        remedy=_suggest(predicted, target),
+        remedy=f"ask for one of these (nearest: {nearest}), or change the grid, or the criteria "
+        "for `components` and `holes`",
     )
 
 
-def fix_threshold(
-    fractions: VolumeFractions,
-    threshold: float,
-    *,
-    min_cells: int = 1,
-    mixed_pinches: MixedPinches = "separate",
-    name: str = "model",
-) -> Selection:
-    """Return a threshold that the user fixed, with its margin and prediction.
+def _by_persistence(
+    cell_sets: CellSets,
+    predicted: pd.DataFrame,
+    pairs: pd.DataFrame,
+    persistence: float,
+    name: str,
+) -> tuple[Selection, pd.DataFrame]:
+    wanted = f"only features with persistence >= {persistence:g}"
+    if 1 not in paired_dimensions(cell_sets.fractions.values.shape):
+        raise TopologyError(
+            "`persistence` on a 3D grid of that many cells",
+            where=name,
+            expected=f"at most {DIAGRAM_CELLS} cells, for which the persistence of holes is known",
+            remedy="use a coarser grid, or ask for Betti numbers with `target`",
+        )
+    thresholds = predicted["threshold"].to_numpy()
+    short = count_alive(pairs[pairs["persistence"] < persistence], thresholds)
+    candidates = rank_candidates(predicted, pd.Series(short.sum(axis=1) == 0))
+    chosen = _first_verified(cell_sets, candidates, {}, name)
+    if chosen is not None:
+        row, cells = chosen
+        reason = (
+            f"nothing shorter-lived is there for {row['lower']:.4g} < t <= {row['upper']:.4g}, "
+            f"number {row['rank']} of {len(candidates)} such intervals"
+        )
+        return _selection(cell_sets, predicted, row, cells, wanted, reason), candidates
+    # No threshold does it: remove and fill exactly those features where they are fewest.
+    criteria = Criteria(min_persistence=persistence)
+    in_plane = cell_sets.fractions.grid.dim == 2
+    policy = replace(
+        cell_sets.policy,
+        components=replace(cell_sets.policy.components, min_persistence=persistence),
+        **{"holes" if in_plane else "voids": criteria},
+    )
+    cut_sets = CellSets(cell_sets.fractions, policy)
+    longer = count_alive(pairs[pairs["persistence"] >= persistence], thresholds)
+    usable = (predicted["cells"] > 0).to_numpy() & (in_plane | (short[:, 1] == 0))
+    order = np.lexsort([-predicted["width"].to_numpy(), short.sum(axis=1)])
+    tried = predicted.iloc[order[usable[order]]].reset_index(drop=True).head(VOLUME_TRIALS)
+    candidates = _as_candidates(tried)
+    for k, row in candidates.iterrows():
+        cells = cut_sets.at(row["threshold"])
+        expected = BettiNumbers(*longer[order[usable[order]][int(str(k))]].tolist())
+        if cells.predicted == expected and _is_verified(cells, cut_sets, {}, name):
+            candidates.loc[[k], "status"] = CHOSEN
+            n_removed = cells.count_dropped("component")
+            reason = (
+                f"no threshold does it alone; here {n_removed} components were removed and "
+                f"{len(cells.dropped) - n_removed} holes or voids filled"
+            )
+            return _selection(cut_sets, predicted, row, cells, wanted, reason), candidates
+        candidates.loc[[k], "status"] = DISAGREES
+    raise TopologyError(
+        f"no threshold leaves {wanted}, and removing and filling does not either",
+        where=name,
+        expected="features that can be told apart by their persistence",
+        remedy="lower `persistence`, or ask for Betti numbers with `target`:\n"
+        + list_reachable(predicted),
+    )
 
-    Raises
-    ------
-    TopologyError
-        The threshold is not in (0, 1], or no cell reaches it.
-    """
+
+def _by_volume(
+    cell_sets: CellSets, predicted: pd.DataFrame, name: str
+) -> tuple[Selection, pd.DataFrame]:
+    fractions = cell_sets.fractions
+    wanted = fractions.volume()
+    of_cells = predicted["cells"] * fractions.grid.cell_size**fractions.grid.dim
+    shown = predicted.assign(error=(of_cells - wanted).abs())[predicted["cells"] > 0]
+    if shown.empty:
+        raise _nothing_kept(cell_sets, predicted["threshold"].min(), name)
+    candidates = _as_candidates(shown.sort_values("error", kind="stable").head(VOLUME_TRIALS))
+    errors = []
+    for k, row in candidates.iterrows():
+        cells = cell_sets.at(row["threshold"])
+        mesh = build_mesh(cells, fractions.grid, name=name).mesh
+        errors.append(float(element_volumes(mesh.points, mesh.cells).sum()) / wanted - 1)
+        if not _is_verified(cells, cell_sets, {}, name):
+            candidates.loc[[k], "status"] = DISAGREES
+    candidates["volume_error"] = errors
+    verified = candidates[candidates["status"] != DISAGREES]
+    best = verified["volume_error"].abs().idxmin()
+    candidates.loc[best, "status"] = CHOSEN
+    row = candidates.loc[best]
+    reason = (
+        f"the mesh's volume differs from the winding-number volume by "
+        f"{100 * row['volume_error']:+.3g} %, the least of {len(candidates)} thresholds"
+    )
+    cells = cell_sets.at(row["threshold"])
+    words = "the winding-number volume"
+    return _selection(cell_sets, predicted, row, cells, words, reason), candidates
+
+
+def _fixed(
+    cell_sets: CellSets, predicted: pd.DataFrame, threshold: float, name: str
+) -> tuple[Selection, pd.DataFrame]:
     if not 0 < threshold <= 1:
         raise TopologyError(
             f"the threshold is {threshold}",
@@ -203,61 +285,108 @@ def fix_threshold(
             expected="a volume fraction in (0, 1]",
             remedy="use 0.5, or ask for Betti numbers with `target`",
         )
-    cells = keep_cells(
-        fractions, threshold=threshold, min_cells=min_cells, mixed_pinches=mixed_pinches
-    )
+    cells = cell_sets.at(threshold)
     if not cells.kept.any():
-        raise TopologyError(
-            f"no cell is left at threshold {threshold}",
-            where=name,
-            expected=f"a threshold of at most {fractions.cells.max():.4g}, the largest fraction, "
-            f"and components of at least min_cells = {min_cells} cells",
-            remedy="lower `threshold` or `min_cells`, or use a finer grid",
-        )
-    margin = float(np.abs(fractions.values - threshold).min())
-    return Selection(threshold, margin, cells.predicted, "fixed by the configuration")
+        raise _nothing_kept(cell_sets, threshold, name)
+    intervals = merge_intervals(predicted)
+    numbers = (intervals[BETTI].to_numpy() == cells.predicted).all(axis=1)
+    holds = (intervals["lower"] < threshold) & (threshold <= intervals["upper"]) & numbers
+    if holds.any():
+        row = intervals[holds].iloc[0].copy()
+        row["margin"] = min(threshold - row["lower"], row["upper"] - threshold)
+    else:  # The plateau of this threshold was not looked at.
+        levels = np.concatenate([[1.0], cell_sets.levels, [0.0]])
+        upper, lower = levels[levels >= threshold].min(), levels[levels < threshold].max()
+        margin = min(threshold - lower, upper - threshold)
+        row = pd.Series({"lower": lower, "upper": upper, "margin": margin, "unexamined": 0.0})
+    row["threshold"] = threshold
+    row["cell_margin"] = float(np.abs(cell_sets.levels - threshold).min())
+    candidates = rank_candidates(predicted, predicted["cells"] < 0)
+    words = f"the threshold {threshold:g}"
+    reason = "fixed by the configuration"
+    return _selection(cell_sets, predicted, row, cells, words, reason), candidates
 
 
-def choose_threshold(
-    fractions: VolumeFractions,
-    predicted: pd.DataFrame,
-    *,
-    threshold: float | None = None,
-    target: Target | None = None,
-    min_cells: int = 1,
-    mixed_pinches: MixedPinches = "separate",
-    name: str = "model",
-) -> tuple[Selection, pd.DataFrame]:
-    """Return the threshold that a configuration asks for: a fixed one, or one by Betti numbers.
-
-    See `fix_threshold` and `select_threshold`; a fixed threshold has no other candidates.
-    """
-    how: Any = {"min_cells": min_cells, "mixed_pinches": mixed_pinches, "name": name}
-    if target is not None:
-        return select_threshold(fractions, predicted, target, **how)
-    selection = fix_threshold(fractions, 0.5 if threshold is None else threshold, **how)
-    return selection, rank_candidates(predicted, selection.predicted._asdict()).iloc[:0]
+def _first_verified(
+    cell_sets: CellSets, candidates: pd.DataFrame, target: Target, name: str
+) -> tuple[pd.Series, CellSet] | None:
+    """Return the first candidate whose mesh measures as wanted; note the outcome in `status`."""
+    for k, row in candidates.iterrows():
+        cells = cell_sets.at(row["threshold"])
+        if _is_verified(cells, cell_sets, target, name):
+            candidates.loc[[k], "status"] = CHOSEN
+            return row, cells
+        candidates.loc[[k], "status"] = DISAGREES
+    return None
 
 
-def list_reachable(predicted: pd.DataFrame) -> str:
-    """Return the reachable Betti numbers as lines of text, one per plateau, from high to low."""
-    shown = predicted[predicted["cells"] > 0]
-    return "\n".join(
-        f"    {row.lower:.4f} < t <= {row.upper:.4f}: betti_0 = {row.betti_0}, "
-        f"betti_1 = {row.betti_1}, betti_2 = {row.betti_2}"
-        for row in shown.itertuples()
+def _is_verified(cells: CellSet, cell_sets: CellSets, target: Target, name: str) -> bool:
+    """Return whether the mesh measures, by both methods, what was predicted and wanted."""
+    resolved = build_mesh(cells, cell_sets.fractions.grid, name=name)
+    measured = betti_by_euler(resolved.mesh)
+    return (
+        measured == betti_by_boundary(resolved.mesh) == resolved.cells.predicted
+        and resolved.cells.predicted == cells.predicted
+        and is_met(measured, target)
     )
 
 
-def _describe(target: Target) -> str:
-    return ", ".join(f"{name} = {wanted}" for name, wanted in sorted(target.items()))
+def _selection(
+    cell_sets: CellSets,
+    predicted: pd.DataFrame,
+    row: pd.Series,
+    cells: CellSet,
+    wanted: str,
+    reason: str,
+) -> Selection:
+    threshold = float(row["threshold"])
+    at = predicted[predicted["threshold"] == threshold]
+    if at.empty:
+        nearest = (predicted["threshold"] - threshold).abs().idxmin()
+        inside = (predicted["lower"] < threshold) & (threshold <= predicted["upper"])
+        at = predicted[inside] if inside.any() else predicted.loc[[nearest]]
+    raw = BettiNumbers(*(int(at[f"raw_{name}"].iloc[0]) for name in BETTI))
+    without = ""
+    if len(cells.dropped):
+        untouched = (predicted["removed"] + predicted["filled"] == 0) & matches(
+            predicted, cells.predicted._asdict()
+        )
+        without = "; ".join(
+            f"{interval.lower:.4g} < t <= {interval.upper:.4g}"
+            for interval in rank_candidates(predicted, untouched).head(3).itertuples()
+        )
+    return Selection(
+        threshold=threshold,
+        lower=float(row["lower"]),
+        upper=float(row["upper"]),
+        margin=float(row["margin"]),
+        cell_margin=float(row["cell_margin"]),
+        unexamined=float(row["unexamined"]),
+        wanted=wanted,
+        raw=raw,
+        predicted=cells.predicted,
+        reason=reason,
+        without_features=without,
+        policy=asdict(cell_sets.policy),
+    )
 
 
-def _suggest(predicted: pd.DataFrame, target: Target) -> str:
-    """Return the reachable numbers that differ least from the target."""
-    shown = predicted[predicted["cells"] > 0]
-    names = sorted(target)
-    distance = (shown[names] - [target[name] for name in names]).abs().sum(axis=1)
-    nearest = shown.iloc[int(distance.to_numpy().argmin())]
-    numbers = ", ".join(f"{name} = {nearest[name]:.0f}" for name in names)
-    return f"ask for one of these (nearest: {numbers}), or change the grid or `min_cells`"
+def _as_candidates(plateaus: pd.DataFrame) -> pd.DataFrame:
+    """Return single plateaus as candidates, in the order given."""
+    ranked = plateaus.reset_index(drop=True)
+    ranked.insert(0, "rank", np.arange(1, len(ranked) + 1))
+    ranked["margin"] = ranked["cell_margin"] = ranked["width"] / 2
+    ranked["unexamined"] = 0.0
+    ranked["status"] = NOT_TRIED
+    return ranked
+
+
+def _nothing_kept(cell_sets: CellSets, threshold: float, name: str) -> TopologyError:
+    largest = cell_sets.fractions.cells.max()
+    return TopologyError(
+        f"no cell is left at threshold {threshold:g}",
+        where=name,
+        expected=f"a threshold of at most {largest:.4g}, the largest fraction, and components "
+        "that meet the criteria",
+        remedy="lower `threshold` or the criteria for `components`, or use a finer grid",
+    )

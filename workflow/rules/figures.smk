@@ -7,7 +7,7 @@ rule figure_thresholds:
         record="results/provenance/{model}/figure_thresholds.json",
         record_how="results/provenance/{model}/figure_thresholds.how.json",
     params:
-        resolution=of_model("min_cells", "mixed_pinches"),
+        policy=of_model("mixed_pinches", "bridges", "components", "holes", "voids"),
         drawing=of_model("panels", "unit"),
     log:
         "results/{model}/logs/figure_thresholds.log",

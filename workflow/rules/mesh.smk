@@ -5,11 +5,11 @@ rule mesh:
     output:
         mesh="results/{model}/mesh.vtu",
         facts="results/{model}/mesh.json",
-        removed=report("results/{model}/removed.csv", "../report/removed.rst", category="{model}"),
+        features=report("results/{model}/features.csv", "../report/features.rst", category="{model}"),
+        bridges=report("results/{model}/bridges.csv", "../report/bridges.rst", category="{model}"),
+        certificate=report("results/{model}/certificate.json", "../report/certificate.rst", category="{model}"),
         record="results/provenance/{model}/mesh.json",
         record_how="results/provenance/{model}/mesh.how.json",
-    params:
-        resolution=of_model("min_cells", "mixed_pinches"),
     log:
         "results/{model}/logs/mesh.log",
     conda:
@@ -27,7 +27,7 @@ rule sweep:
         record="results/provenance/{model}/sweep.json",
         record_how="results/provenance/{model}/sweep.how.json",
     params:
-        resolution=of_model("min_cells", "mixed_pinches"),
+        policy=of_model("mixed_pinches", "bridges", "components", "holes", "voids"),
         thresholds=SWEEP,
     log:
         "results/{model}/logs/sweep.log",

@@ -18,15 +18,16 @@ rule select:
     input:
         fractions="results/{model}/fractions.npz",
         plateaus="results/{model}/plateaus.csv",
+        pairs="results/{model}/diagram.csv",
     output:
         threshold="results/{model}/threshold.json",
         topologies=report("results/{model}/topologies.csv", "../report/topologies.rst", category="{model}"),
-        candidates="results/{model}/candidates.csv",
+        candidates=report("results/{model}/candidates.csv", "../report/candidates.rst", category="{model}"),
         record="results/provenance/{model}/select.json",
         record_how="results/provenance/{model}/select.how.json",
     params:
-        wanted=of_model("threshold", "target"),
-        resolution=of_model("min_cells", "mixed_pinches"),
+        wanted=of_model("threshold", "target", "persistence", "volume"),
+        policy=of_model("mixed_pinches", "bridges", "components", "holes", "voids"),
     log:
         "results/{model}/logs/select.log",
     conda:

@@ -1,5 +1,7 @@
 from pathlib import Path
 
+from tusqh.antialias.cells import CellSets
+from tusqh.antialias.policy import Policy
 from tusqh.figures import style
 from tusqh.figures.thresholds import draw_thresholds
 from tusqh.geometry.io import load_outline
@@ -7,12 +9,12 @@ from tusqh.provenance.record import recorded
 from tusqh.sampling.io import load_fractions
 
 with recorded(snakemake) as log:
+    policy = Policy.from_settings(snakemake.params.policy)
     figure = draw_thresholds(
-        load_fractions(Path(snakemake.input.fractions)),
+        CellSets(load_fractions(Path(snakemake.input.fractions)), policy),
         load_outline(Path(snakemake.input.geometry)),
         snakemake.params.drawing["panels"],
         name=snakemake.wildcards.model,
         unit=snakemake.params.drawing["unit"],
-        resolution=snakemake.params.resolution,
     )
     style.save(figure, Path(snakemake.output.figure))
