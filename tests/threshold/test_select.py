@@ -2,35 +2,54 @@ import numpy as np
 import pytest
 from conftest import make_fractions, random_fractions
 
-from tusqh.antialias.resolve import keep_cells, resolve
+from tusqh.antialias.cells import CellSets
+from tusqh.antialias.policy import Criteria, Policy
+from tusqh.antialias.resolve import build_mesh
 from tusqh.errors import TopologyError
-from tusqh.mesh.betti import betti_by_euler
-from tusqh.threshold.select import choose_threshold, predict_plateaus
+from tusqh.mesh.betti import betti_by_boundary, betti_by_euler
+from tusqh.threshold import plateaus, select
+from tusqh.threshold.plateaus import merge_intervals, predict_plateaus
+from tusqh.threshold.select import Selection, choose_threshold
 from tusqh.topology.curves import betti_curves
+from tusqh.topology.persistence import persistence_pairs
 
 CELLS = np.array([[1, 1, 1], [0.5, 0.25, 1], [1, 1, 1]])
 
 
-def predict(fractions, **how):
-    plateaus = betti_curves(fractions.values)
-    return predict_plateaus(fractions, plateaus, **how)
+def choose(fractions, policy=None, **wanted):
+    cell_sets = CellSets(fractions, policy)
+    predicted = predict_plateaus(cell_sets, betti_curves(fractions.values))
+    pairs = persistence_pairs(fractions.values)
+    return choose_threshold(cell_sets, predicted, pairs=pairs, name="ring", **wanted)
+
+
+def mesh_of(fractions, chosen):
+    """The mesh as the workflow makes it: from the threshold and policy of the selection."""
+    cells = CellSets(fractions, Policy.from_settings(chosen.policy)).at(chosen.threshold)
+    assert cells.predicted == chosen.predicted
+    return build_mesh(cells, fractions.grid).mesh
 
 
 def test_a_hole_is_found_where_it_lives():
-    fractions = make_fractions(CELLS)
-    predicted = predict(fractions)
-    chosen, candidates = choose_threshold(
-        fractions, predicted, target={"betti_0": 1, "betti_1": 1}, name="ring"
-    )
-    assert (chosen.threshold, chosen.margin) == (0.375, 0.125)
-    assert chosen.predicted == (1, 1, 0)
-    assert len(candidates) == 1
+    chosen, candidates = choose(make_fractions(CELLS), target={"betti_0": 1, "betti_1": 1})
+    assert (chosen.threshold, chosen.margin, chosen.cell_margin) == (0.375, 0.125, 0.125)
+    assert (chosen.lower, chosen.upper, chosen.unexamined) == (0.25, 0.5, 0)
+    assert chosen.predicted == chosen.raw == (1, 1, 0)
+    assert candidates["status"].tolist() == ["chosen"]
+
+
+@pytest.mark.parametrize(
+    ("wanted", "holes"),
+    [(1, 1), ([0, 5], 0), ({"min": 1}, 1), ({"max": 0}, 0), ({"min": 1, "max": 3}, 1)],
+)
+def test_targets_may_be_numbers_lists_and_ranges(wanted, holes):
+    chosen, _ = choose(make_fractions(CELLS), target={"betti_1": wanted})
+    assert chosen.predicted.betti_1 == holes
 
 
 def test_an_unreachable_target_lists_what_is_reachable():
-    fractions = make_fractions(CELLS)
     with pytest.raises(TopologyError) as caught:
-        choose_threshold(fractions, predict(fractions), target={"betti_1": 2}, name="ring")
+        choose(make_fractions(CELLS), target={"betti_1": 2})
     message = str(caught.value)
     assert "ring: no threshold gives betti_1 = 2" in message
     assert "0.2500 < t <= 0.5000: betti_0 = 1, betti_1 = 1" in message
@@ -39,17 +58,47 @@ def test_an_unreachable_target_lists_what_is_reachable():
 
 @pytest.mark.parametrize("threshold", [0.0, -1.0, 1.5, float("nan")])
 def test_thresholds_out_of_range(threshold):
-    fractions = make_fractions(CELLS)
     with pytest.raises(TopologyError, match="threshold is"):
-        choose_threshold(fractions, predict(fractions), threshold=threshold)
+        choose(make_fractions(CELLS), threshold=threshold)
+
+
+def test_a_fixed_threshold_says_how_far_it_can_move():
+    chosen, candidates = choose(make_fractions(CELLS), threshold=0.3)
+    assert (chosen.lower, chosen.upper) == (0.25, 0.5)
+    assert chosen.margin == pytest.approx(0.05)
+    assert len(candidates) == 0
 
 
 def test_a_threshold_that_keeps_nothing():
     fractions = make_fractions(CELLS / 2)
     with pytest.raises(TopologyError, match="no cell is left"):
-        choose_threshold(fractions, predict(fractions), threshold=0.75)
+        choose(fractions, threshold=0.75)
     with pytest.raises(TopologyError, match="no cell is left"):
-        choose_threshold(fractions, predict(fractions), threshold=0.5, min_cells=100)
+        choose(fractions, Policy(components=Criteria(min_cells=100)), threshold=0.5)
+    with pytest.raises(TopologyError, match="no cell is left"):
+        choose(fractions, Policy(components=Criteria(min_cells=100)), volume="match")
+
+
+def test_a_measurement_that_disagrees_sends_the_loop_to_the_next_candidate(monkeypatch):
+    """Two intervals have one component; the mesh of the wider one is made to disagree."""
+    cells = np.array([[1.0, 0.5, 0.75, 0.125]])
+    fractions = make_fractions(cells)
+    first, ranked = choose(fractions, target={"betti_0": 1})
+    assert ranked["status"].tolist() == ["chosen", "not tried"]
+    real = select.betti_by_boundary
+    seen = []
+
+    def disagree_once(mesh):
+        seen.append(real(mesh))
+        return seen[-1] if len(seen) > 1 else (9, 9, 9)
+
+    monkeypatch.setattr(select, "betti_by_boundary", disagree_once)
+    second, ranked = choose(fractions, target={"betti_0": 1})
+    assert ranked["status"].tolist() == ["measurement disagrees", "chosen"]
+    assert second.threshold == ranked["threshold"][1] != first.threshold
+    monkeypatch.setattr(select, "betti_by_boundary", lambda mesh: (9, 9, 9))
+    with pytest.raises(TopologyError, match="no threshold gives"):
+        choose(fractions, target={"betti_0": 1})
 
 
 def test_every_reachable_topology_gives_a_mesh_that_has_it():
@@ -57,13 +106,133 @@ def test_every_reachable_topology_gives_a_mesh_that_has_it():
     for seed in range(40):
         rng = np.random.default_rng(seed)
         fractions = random_fractions(rng, (7, 6), n_levels=9)
-        how = {"min_cells": int(rng.integers(1, 4))}
-        predicted = predict(fractions, **how)
+        policy = Policy(
+            bridges=("none", "forest", "all")[seed % 3],
+            components=Criteria(min_cells=int(rng.integers(1, 4))),
+        )
+        cell_sets = CellSets(fractions, policy)
+        predicted = predict_plateaus(cell_sets, betti_curves(fractions.values))
         reachable = predicted[predicted["cells"] > 0][["betti_0", "betti_1"]].drop_duplicates()
         for target in reachable.to_dict("records"):
-            chosen, _ = choose_threshold(fractions, predicted, target=target, **how)
-            cells = keep_cells(fractions, threshold=chosen.threshold, **how)
-            mesh, _ = resolve(cells.kept, cells.decisions, fractions.grid)
+            chosen, _ = choose_threshold(cell_sets, predicted, target=target)
+            mesh = mesh_of(fractions, chosen)
             assert betti_by_euler(mesh)._asdict() == {**target, "betti_2": 0}
             n_meshes += 1
     assert n_meshes > 100
+
+
+def test_every_threshold_of_an_interval_has_its_topology():
+    for seed in range(20):
+        fractions = random_fractions(np.random.default_rng(seed), (6, 7), n_levels=9)
+        cell_sets = CellSets(fractions)
+        intervals = merge_intervals(predict_plateaus(cell_sets, betti_curves(fractions.values)))
+        for row in intervals.itertuples():
+            assert row.unexamined == 0
+            for t in np.linspace(row.upper, row.lower, 6)[:-1]:
+                assert cell_sets.at(t).predicted == (row.betti_0, row.betti_1, row.betti_2)
+
+
+def test_of_too_many_plateaus_some_are_looked_at_and_the_rest_is_reported(monkeypatch):
+    monkeypatch.setattr(plateaus, "MIN_PLATEAUS", 10)
+    monkeypatch.setattr(plateaus, "MAX_PLATEAUS", 10)
+    rng = np.random.default_rng(3)
+    fractions = make_fractions(rng.random((6, 6)), rng.random((7, 7)))
+    cell_sets = CellSets(fractions)
+    predicted = predict_plateaus(cell_sets, betti_curves(fractions.values))
+    assert 5 <= len(predicted) <= 10 < len(cell_sets.levels)
+    assert (np.diff(predicted["threshold"]) < 0).all()
+    intervals = merge_intervals(predicted)
+    assert intervals["unexamined"].sum() > 0
+    examined = predicted.loc[predicted["cells"] > 0, "width"].sum()
+    total = intervals["width"].sum()
+    assert examined + intervals["unexamined"].sum() == pytest.approx(total)
+
+
+# A large plate with a deep hole, a shallow one, and a speck beside it: the shallow hole lives
+# from 1 to 0.75 and the speck from 0.5 to 0, so no threshold shows the deep hole alone.
+PLATE = np.ones((7, 12))
+PLATE[:, 7:] = 0.0
+PLATE[1, 1] = 0.75
+PLATE[4:6, 4:6] = 0.125
+PLATE[3, 9] = 0.5
+
+
+def test_persistence_takes_a_threshold_where_one_does_it():
+    chosen, _ = choose(make_fractions(PLATE), persistence=0.4)
+    assert chosen.predicted in [(1, 1, 0), (2, 1, 0), (1, 0, 0), (2, 0, 0)]
+    assert chosen.policy["components"]["min_persistence"] == 0
+    chosen, candidates = choose(make_fractions(PLATE), persistence=0.6)
+    assert "nothing shorter-lived" in chosen.reason
+    assert 0.5 < chosen.threshold <= 0.75  # Below the shallow hole, above the speck.
+    assert chosen.predicted == (1, 1, 0)
+    assert betti_by_boundary(mesh_of(make_fractions(PLATE), chosen)) == (1, 1, 0)
+    assert candidates["status"].tolist().count("chosen") == 1
+
+
+def test_persistence_removes_and_fills_exactly_the_short_lived_where_no_threshold_does():
+    cells = PLATE.copy()
+    cells[1, 1] = 0.5  # Now the shallow hole and the speck overlap nowhere ...
+    cells[3, 9] = 0.625  # ... but at every threshold one of them is there.
+    fractions = make_fractions(cells)
+    chosen, _ = choose(fractions, persistence=0.65)
+    assert "no threshold does it alone" in chosen.reason
+    assert chosen.predicted == (1, 1, 0)
+    settings = Policy.from_settings(chosen.policy)
+    assert settings.components.min_persistence == settings.holes.min_persistence == 0.65
+    dropped = CellSets(fractions, settings).at(chosen.threshold).dropped
+    assert len(dropped) == 1
+    assert (dropped["persistence"] < 0.65).all()
+    mesh = mesh_of(fractions, chosen)
+    assert betti_by_boundary(mesh) == betti_by_euler(mesh) == (1, 1, 0)
+
+
+def test_persistence_on_random_fields_is_verified_by_measurement():
+    n_cut = n_refused = 0
+    for seed in range(60):
+        fractions = random_fractions(np.random.default_rng(seed), (8, 8), n_levels=9)
+        policy = Policy(bridges="none")
+        try:
+            chosen, _ = choose(fractions, policy, persistence=0.5)
+        except TopologyError:
+            n_refused += 1
+            continue
+        mesh = mesh_of(fractions, chosen)
+        pairs = persistence_pairs(fractions.values)
+        long = pairs[pairs["persistence"] >= 0.5]
+        alive = (long["birth"] >= chosen.threshold) & (long["death"] < chosen.threshold)
+        if "no threshold does it alone" in chosen.reason:
+            n_cut += 1
+            expected = [int((alive & (long["dimension"] == k)).sum()) for k in range(2)]
+            assert [*expected, 0] == list(betti_by_boundary(mesh))
+    assert n_cut > 5
+    assert n_refused < 30
+
+
+def test_keep_the_longest_reports_the_thresholds_that_need_no_filling():
+    policy = Policy(holes=Criteria(keep=1), components=Criteria(keep=1))
+    chosen, _ = choose(make_fractions(PLATE), policy, threshold=0.9)
+    assert chosen.predicted == (1, 1, 0)
+    assert "0.5 < t <= 0.75" in chosen.without_features
+    mesh = mesh_of(make_fractions(PLATE), chosen)
+    assert betti_by_boundary(mesh) == (1, 1, 0)
+
+
+def test_volume_is_matched_by_measured_meshes():
+    for seed in range(10):
+        fractions = random_fractions(np.random.default_rng(seed), (9, 9), n_levels=17)
+        chosen, candidates = choose(fractions, volume="match")
+        errors = candidates["volume_error"].abs()
+        best = candidates[candidates["status"] == "chosen"].iloc[0]
+        assert abs(best["volume_error"]) == errors.min()
+        assert best["threshold"] == chosen.threshold
+        # A quarter of all cells per level is the best that any threshold could promise.
+        assert errors.min() < 0.25
+
+
+def test_a_selection_survives_json():
+    import dataclasses
+    import json
+
+    chosen, _ = choose(make_fractions(CELLS), target={"betti_1": 1})
+    text = json.dumps(dataclasses.asdict(chosen))
+    assert Selection.from_dict(json.loads(text)) == chosen

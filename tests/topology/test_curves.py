@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from oracles import gudhi_pairs, simplicial_betti_by_rank
 
-from tusqh.antialias.resolve import keep_cells
+from tusqh.antialias.cells import CellSets
+from tusqh.antialias.policy import Policy
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.topology.curves import betti_curves, outer_pairs
@@ -78,8 +79,9 @@ def test_raw_equals_effective_where_nothing_is_overruled(seed):
     grid = BackgroundGrid(shape=shape, cell_size=1.0, origin=(0.0, 0.0))
     fractions = VolumeFractions(grid=grid, samples=4, values=values)
     plateaus = betti_curves(values)
+    cell_sets = CellSets(fractions, Policy(bridges="none"))
     for threshold in plateaus["upper"]:
-        cells = keep_cells(fractions, threshold=threshold)
+        cells = cell_sets.at(threshold)
         if cells.decisions.n_overruled_clusters == 0:
             assert cells.predicted == betti_at(plateaus, threshold)
 

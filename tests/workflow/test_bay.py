@@ -2,13 +2,16 @@
 
 import pytest
 
-from tusqh.antialias.resolve import keep_cells, resolve
+from tusqh.antialias.cells import CellSets
+from tusqh.antialias.policy import Criteria, Policy
+from tusqh.antialias.resolve import build_mesh
 from tusqh.geometry.read import read_outline
 from tusqh.mesh.betti import betti_by_boundary
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.layout import lay_grid
 from tusqh.tables import VERIFICATION_COLUMNS, verification_row
-from tusqh.threshold.select import choose_threshold, predict_plateaus
+from tusqh.threshold.plateaus import predict_plateaus
+from tusqh.threshold.select import choose_threshold
 from tusqh.topology.curves import betti_curves
 
 WINDOW = ((250000.0, 4075000.0), (490000.0, 4391000.0))
@@ -21,24 +24,28 @@ def fractions(repository):
     return sample_fractions(outline, grid, domain="outside", window=WINDOW)
 
 
+@pytest.mark.parametrize("bridges", ["none", "forest", "all"])
 @pytest.mark.parametrize("min_cells", [1, 4])
 @pytest.mark.parametrize("threshold", [0.9, 0.75, 0.5, 0.25, 0.15, 0.05, 0.01])
-def test_predicted_topology_is_measured_topology(fractions, threshold, min_cells):
-    cells = keep_cells(fractions, threshold=threshold, min_cells=min_cells)
-    mesh, _ = resolve(cells.kept, cells.decisions, fractions.grid, name="chesapeake")
-    row = verification_row(mesh, cells, grid=fractions.grid.label, threshold=threshold)
+def test_predicted_topology_is_measured_topology(fractions, threshold, min_cells, bridges):
+    policy = Policy(bridges=bridges, components=Criteria(min_cells=min_cells))
+    cells = CellSets(fractions, policy).at(threshold)
+    mesh = build_mesh(cells, fractions.grid, name="chesapeake").mesh
+    row = verification_row(mesh, cells, grid=fractions.grid.label)
     assert list(row) == VERIFICATION_COLUMNS
     assert row["holds"]
     assert row["grid"] == "60x79"
 
 
-def test_at_least_six_topologies_can_be_asked_for(fractions):
-    plateaus = betti_curves(fractions.values)
-    predicted = predict_plateaus(fractions, plateaus, min_cells=4)
+@pytest.mark.parametrize("bridges", ["none", "forest"])
+def test_at_least_six_topologies_can_be_asked_for(fractions, bridges):
+    policy = Policy(bridges=bridges, components=Criteria(min_cells=4))
+    cell_sets = CellSets(fractions, policy)
+    predicted = predict_plateaus(cell_sets, betti_curves(fractions.values))
     targets = predicted[["betti_0", "betti_1"]].drop_duplicates().to_dict("records")
     assert len(targets) >= 6
     for target in targets:
-        chosen, _ = choose_threshold(fractions, predicted, target=target, min_cells=4)
-        cells = keep_cells(fractions, threshold=chosen.threshold, min_cells=4)
-        mesh, _ = resolve(cells.kept, cells.decisions, fractions.grid)
+        chosen, candidates = choose_threshold(cell_sets, predicted, target=target)
+        assert (candidates["status"] == "chosen").sum() == 1
+        mesh = build_mesh(cell_sets.at(chosen.threshold), fractions.grid).mesh
         assert betti_by_boundary(mesh)._asdict() == {**target, "betti_2": 0}

@@ -35,7 +35,7 @@ def drop_features(
     Parameters
     ----------
     labels
-        Feature that every cell belongs to, from 1; 0 elsewhere, shape n.
+        Feature that every cell belongs to, from 1, gaps allowed; 0 elsewhere, shape n.
     criteria
         What a feature needs to stay.
     fractions
@@ -58,17 +58,18 @@ def drop_features(
         sub-cells, and its centre (model units).
     """
     n_cells = np.bincount(labels.ravel())
-    numbers = np.arange(1, len(n_cells))
     grid = fractions.grid
     volume = n_cells * grid.cell_size**grid.dim
     lives = np.zeros(len(n_cells))
     np.maximum.at(lives, labels.ravel(), persistence.ravel())
+    is_feature = (n_cells > 0) & (np.arange(len(n_cells)) > 0)
     is_small = (n_cells < criteria.min_cells) | (volume < criteria.min_volume)
     is_small |= lives < criteria.min_persistence
     if criteria.keep is not None:
-        ranked = numbers[np.lexsort((numbers, -n_cells[1:], -lives[1:]))]
+        numbers = np.flatnonzero(is_feature)
+        ranked = numbers[np.lexsort((numbers, -n_cells[numbers], -lives[numbers]))]
         is_small[ranked[criteria.keep :]] = True
-    is_small[0] = False
+    is_small &= is_feature
     dropped = np.flatnonzero(is_small)
     is_dropped = is_small[labels]
     centres = np.array(ndimage.center_of_mass(is_dropped, labels, dropped)).reshape(-1, grid.dim)

@@ -152,21 +152,21 @@ def _ends_of(path: IntArray) -> Iterator[tuple[tuple[int, int], int]]:
     """Yield the cells beside the first and last edge of a path and their sides at its ends."""
     for end, towards in ((path[0], path[1] - path[0]), (path[-1], path[-2] - path[-1])):
         left = np.array([-towards[1], towards[0]])
-        side = int((QUAD_SIDES == -towards).all(axis=1).argmax())
+        side = int((-towards == QUAD_SIDES).all(axis=1).argmax())
         for across in (left, -left):
             x, y = end + (towards + across - 1) // 2
             yield (int(x), int(y)), side
 
 
 def _strip(path: IntArray, shape: tuple[int, ...]) -> tuple[IntArray, IntArray]:
-    """Return two quads per edge of a path, to its left and right, and the cells they lie in.
+    r"""Return two quads per edge of a path, to its left and right, and the cells they lie in.
 
     The strip is half a cell wide; at turns it has a mitre, at its ends it widens to the inner
     cells' corners, where the trapezoids that attach it begin::
 
-        kept |  \\___________/  | kept      v: ends of the path
+        kept |  \___________/  | kept      v: ends of the path
         -----v-----path------v-----
-        kept |  /           \\  | kept
+        kept |  /           \  | kept
     """
     steps = np.diff(path, axis=0)
     left = np.stack([-steps[:, 1], steps[:, 0]], axis=1)
@@ -199,7 +199,7 @@ def _offset_points(path: IntArray, offset: IntArray, shape: tuple[int, ...]) -> 
     corner = (QUAD_CORNERS[None] == (offset[:, None] < 0)).all(axis=2).argmax(axis=1)
     is_corner = (offset != 0).all(axis=1)
     stub = n_vertices + 4 * n_cells + 4 * vertex + along
-    return np.where(is_corner, n_vertices + 4 * cell + corner, stub).astype(np.int64)
+    return np.asarray(np.where(is_corner, n_vertices + 4 * cell + corner, stub), dtype=np.int64)
 
 
 def _coordinates(used: IntArray, n_vertices: int, grid: BackgroundGrid) -> FloatArray:

@@ -44,7 +44,10 @@ def draw_antialias(
     colours[mesh.kind == CONNECTING] = style.CONNECTING
     colours[mesh.kind == BRIDGE] = style.BRIDGE
     is_pinch = find_pinches(fractions.cells >= threshold)
-    low, high = _busiest(is_pinch)
+    marked = is_pinch.copy()
+    bridge_cells = np.unravel_index(mesh.grid_cell[mesh.kind == BRIDGE], grid.shape)
+    marked[bridge_cells] = True
+    low, high = _busiest(marked)
     lower, upper = (grid.to_points(np.array([c]))[0] / scale for c in (low, high))
 
     figure, (row,) = style.new_figure(1, 3, width=13.5, height=5.6)
@@ -75,13 +78,17 @@ def draw_antialias(
 
 
 def _busiest(
-    is_pinch: np.ndarray[tuple[int, ...], np.dtype[np.bool_]],
+    marked: np.ndarray[tuple[int, ...], np.dtype[np.bool_]],
 ) -> tuple[IntArray, IntArray]:
-    """Return the corners, in cells, of the square with the most pinches."""
-    size = np.minimum(_CLOSE_UP, np.subtract(is_pinch.shape, 1))
-    density = ndimage.uniform_filter(is_pinch.astype(float), size=tuple(size), mode="constant")
+    """Return the corners, in cells, of the square with the most marked places, around them."""
+    size = np.minimum(_CLOSE_UP, np.subtract(marked.shape, 1))
+    density = ndimage.uniform_filter(marked.astype(float), size=tuple(size), mode="constant")
     centre = np.array(np.unravel_index(int(density.argmax()), density.shape))
-    low = np.clip(centre - size // 2, 0, np.array(is_pinch.shape) - 1 - size)
+    places = np.argwhere(marked)
+    inside = places[(np.abs(places - centre) <= size // 2).all(axis=1)]
+    if len(inside):
+        centre = np.rint((inside.min(axis=0) + inside.max(axis=0)) / 2).astype(np.int64)
+    low = np.clip(centre - size // 2, 0, np.array(marked.shape) - 1 - size)
     return low, low + size
 
 

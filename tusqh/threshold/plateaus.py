@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -117,8 +118,8 @@ def merge_intervals(predicted: pd.DataFrame, is_wanted: pd.Series | None = None)
     rows = []
     for _, members in predicted[use].groupby(run[use], sort=True):
         upper, lower = float(members["upper"].iloc[0]), float(members["lower"].iloc[-1])
-        nearest = (members["threshold"] - (upper + lower) / 2).abs().idxmin()
-        plateau = members.loc[nearest].to_dict()
+        nearest = int((members["threshold"] - (upper + lower) / 2).abs().to_numpy().argmin())
+        plateau: dict[str, Any] = {str(k): v for k, v in members.iloc[nearest].items()}
         threshold = plateau.pop("threshold")
         extent = {
             "threshold": threshold,

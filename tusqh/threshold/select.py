@@ -13,7 +13,6 @@ import numpy as np
 import pandas as pd
 
 from tusqh.antialias.cells import CellSet, CellSets
-from tusqh.antialias.policy import Criteria
 from tusqh.antialias.resolve import build_mesh
 from tusqh.errors import TopologyError
 from tusqh.mesh.betti import betti_by_boundary, betti_by_euler
@@ -21,7 +20,8 @@ from tusqh.mesh.jacobians import element_volumes
 from tusqh.threshold.goals import Target, describe, distances, is_met, matches
 from tusqh.threshold.plateaus import BETTI, list_reachable, merge_intervals
 from tusqh.topology.betti_numbers import BettiNumbers
-from tusqh.topology.persistence import DIAGRAM_CELLS, count_alive, paired_dimensions
+from tusqh.topology.curves import betti_curves
+from tusqh.topology.persistence import DIAGRAM_CELLS, betti_at, count_alive, paired_dimensions
 
 CHOSEN, NOT_TRIED, DISAGREES = "chosen", "not tried", "measurement disagrees"
 
@@ -210,12 +210,12 @@ def _by_persistence(
         )
         return _selection(cell_sets, predicted, row, cells, wanted, reason), candidates
     # No threshold does it: remove and fill exactly those features where they are fewest.
-    criteria = Criteria(min_persistence=persistence)
     in_plane = cell_sets.fractions.grid.dim == 2
     policy = replace(
         cell_sets.policy,
         components=replace(cell_sets.policy.components, min_persistence=persistence),
-        **{"holes" if in_plane else "voids": criteria},
+        holes=replace(cell_sets.policy.holes, min_persistence=persistence if in_plane else 0.0),
+        voids=replace(cell_sets.policy.voids, min_persistence=0.0 if in_plane else persistence),
     )
     cut_sets = CellSets(cell_sets.fractions, policy)
     longer = count_alive(pairs[pairs["persistence"] >= persistence], thresholds)
@@ -262,10 +262,9 @@ def _by_volume(
         if not _is_verified(cells, cell_sets, {}, name):
             candidates.loc[[k], "status"] = DISAGREES
     candidates["volume_error"] = errors
-    verified = candidates[candidates["status"] != DISAGREES]
-    best = verified["volume_error"].abs().idxmin()
-    candidates.loc[best, "status"] = CHOSEN
-    row = candidates.loc[best]
+    best = int(np.where(candidates["status"] != DISAGREES, np.abs(errors), np.inf).argmin())
+    candidates.loc[[best], "status"] = CHOSEN
+    row = candidates.iloc[best]
     reason = (
         f"the mesh's volume differs from the winding-number volume by "
         f"{100 * row['volume_error']:+.3g} %, the least of {len(candidates)} thresholds"
@@ -340,12 +339,7 @@ def _selection(
     reason: str,
 ) -> Selection:
     threshold = float(row["threshold"])
-    at = predicted[predicted["threshold"] == threshold]
-    if at.empty:
-        nearest = (predicted["threshold"] - threshold).abs().idxmin()
-        inside = (predicted["lower"] < threshold) & (threshold <= predicted["upper"])
-        at = predicted[inside] if inside.any() else predicted.loc[[nearest]]
-    raw = BettiNumbers(*(int(at[f"raw_{name}"].iloc[0]) for name in BETTI))
+    raw = betti_at(betti_curves(cell_sets.fractions.values), threshold)
     without = ""
     if len(cells.dropped):
         untouched = (predicted["removed"] + predicted["filled"] == 0) & matches(

@@ -26,7 +26,9 @@ PLACES = {2: ("vertex", "edge", "cell"), 3: ("vertex", "edge", "face", "cell")}
 _PAIR_ORDER = ["dimension", "persistence", "birth", "birth_place"]
 
 
-def persistence_pairs(values: FloatArray, *, n_cells: int = DIAGRAM_CELLS) -> pd.DataFrame:
+def persistence_pairs(
+    values: FloatArray, *, n_cells: int = DIAGRAM_CELLS, diagonal: bool = False
+) -> pd.DataFrame:
     """Return the pairs that live over a range of thresholds, and the classes that never die.
 
     Parameters
@@ -36,6 +38,8 @@ def persistence_pairs(values: FloatArray, *, n_cells: int = DIAGRAM_CELLS) -> pd
         `tusqh.sampling.fractions.RESOLUTION`; below 0 and above 1 they count as 0 and 1.
     n_cells
         A 3D grid of more cells gets no pairs of dimension 1 (the curves still count them).
+    diagonal
+        Also return gudhi's pairs on the diagonal, born and dead at one fraction.
 
     Returns
     -------
@@ -58,11 +62,11 @@ def persistence_pairs(values: FloatArray, *, n_cells: int = DIAGRAM_CELLS) -> pd
            [ 0.  ,  0.75,  0.5 , 12.  ]])
     """
     if values.ndim == 2:
-        return _pair_by_gudhi(values)
+        return _pair_by_gudhi(values, diagonal=diagonal)
     outer = outer_pairs(values)
     if 1 not in paired_dimensions(values.shape, n_cells=n_cells):
         return outer
-    both = pd.concat([_pair_by_gudhi(values), outer[outer["dimension"] == 2]])
+    both = pd.concat([_pair_by_gudhi(values, diagonal=diagonal), outer[outer["dimension"] == 2]])
     return both.reset_index(drop=True)
 
 
@@ -153,7 +157,7 @@ def betti_at(plateaus: pd.DataFrame, threshold: float) -> BettiNumbers:
     return BettiNumbers(int(row["betti_0"]), int(row["betti_1"]), int(row["betti_2"]))
 
 
-def _pair_by_gudhi(values: FloatArray) -> pd.DataFrame:
+def _pair_by_gudhi(values: FloatArray, *, diagonal: bool) -> pd.DataFrame:
     """Return the pairs of dimension 0 and 1, for which triangles are enough."""
     import gudhi
 
@@ -165,7 +169,9 @@ def _pair_by_gudhi(values: FloatArray) -> pd.DataFrame:
     # gudhi leaves out the highest dimension of the complex unless it is asked for.
     is_flat = len(filtration.simplices[2]) == 0
     tree.compute_persistence(
-        homology_coeff_field=2, min_persistence=0.0, persistence_dim_max=is_flat
+        homology_coeff_field=2,
+        min_persistence=-1.0 if diagonal else 0.0,
+        persistence_dim_max=is_flat,
     )
     finite, essential = tree.lower_star_persistence_generators()
     tables = []
@@ -176,7 +182,8 @@ def _pair_by_gudhi(values: FloatArray) -> pd.DataFrame:
         died = np.concatenate([nodes[:, 1], np.full(len(alone), -1)]).astype(np.int64)
         tables.append(_to_table(dimension, born, died, filtration, values.shape))
     pairs = pd.concat(tables)
-    pairs = pairs[pairs["persistence"] > 0]
+    if not diagonal:
+        pairs = pairs[pairs["persistence"] > 0]
     return pairs.sort_values(_PAIR_ORDER, ascending=[True, False, False, True]).reset_index(
         drop=True
     )

@@ -20,6 +20,7 @@ rule figure_thresholds:
 rule figure_diagram:
     input:
         pairs="results/{model}/diagram.csv",
+        diagonal="results/{model}/diagonal.csv",
         threshold="results/{model}/threshold.json",
     output:
         figure=report("results/{model}/figures/diagram.png", "../report/diagram.rst", category="{model}"),

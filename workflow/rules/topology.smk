@@ -3,6 +3,7 @@ rule persistence:
         fractions="results/{model}/fractions.npz",
     output:
         pairs=report("results/{model}/diagram.csv", "../report/diagram.rst", category="{model}"),
+        diagonal="results/{model}/diagonal.csv",
         plateaus="results/{model}/plateaus.csv",
         record="results/provenance/{model}/persistence.json",
         record_how="results/provenance/{model}/persistence.how.json",

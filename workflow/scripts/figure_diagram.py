@@ -10,6 +10,7 @@ from tusqh.provenance.record import recorded
 with recorded(snakemake) as log:
     figure = draw_diagram(
         pd.read_csv(snakemake.input.pairs),
+        pd.read_csv(snakemake.input.diagonal),
         threshold=json.loads(Path(snakemake.input.threshold).read_text())["threshold"],
         name=snakemake.wildcards.model,
     )
