@@ -24,6 +24,8 @@ def test_defaults_are_filled_in(repository, tmp_path):
     assert model["grid"] == {"cells": 64}
     assert model["simulation"] == {"amount": 1000, "diffusivity": 1, "refinements": 0}
     assert config["sweep"] == [0.9, 0.75, 0.5, 0.25, 0.15, 0.05, 0.01]
+    assert model["bridges"] == "forest"
+    assert model["components"] == model["holes"] == {}
     by_topology = "models: {a: {geometry: a.svg, target: {betti_1: 2}}}"
     assert "threshold" not in load(repository, tmp_path, by_topology)["models"]["a"]
 
@@ -55,8 +57,22 @@ def test_the_committed_configuration_is_valid(repository, tmp_path):
         ("models: {}", ["models"]),
         (
             "models: {a: {geometry: a.svg, threshold: 0.5, target: {betti_0: 1}}}",
-            ["models.a", "both `threshold` and `target`"],
+            ["models.a", "`threshold` and `target` are given", "one of them"],
         ),
+        (
+            "models: {a: {geometry: a.svg, target: {betti_1: two}}}",
+            ["a.target.betti_1", "found 'two'", "a list of numbers"],
+        ),
+        (
+            "models: {a: {geometry: a.svg, target: {betti_1: {least: 1}}}}",
+            ["a.target.betti_1", "'least'", "max, min"],
+        ),
+        (
+            "models: {a: {geometry: a.svg, holes: {min_cell: 3}}}",
+            ["a.holes", "'min_cell'", "did you mean 'min_cells'"],
+        ),
+        ("models: {a: {geometry: a.svg, persistence: 0}}", ["a.persistence", "more than 0"]),
+        ("models: {a: {geometry: a.svg, bridges: tree}}", ["a.bridges", "forest"]),
         ("models:\n  a: {geometry: a.svg}\n  a: {geometry: b.svg}", ["'a' stands twice", "line 3"]),
         (
             "models:\n  a: {geometry: a.svg}\n  A: {geometry: b.svg}",

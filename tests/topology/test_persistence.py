@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import make_fractions
+from conftest import make_fractions, random_fractions
 
 from tusqh.errors import TopologyError
 from tusqh.topology.curves import betti_curves
@@ -64,6 +64,21 @@ def test_places_are_inside_the_grid_and_have_the_values_of_the_events():
         mortal = pairs[~pairs["essential"]]
         assert (clamped[mortal["death_place"]] == mortal["death"]).all()
         assert (pairs.loc[pairs["essential"], "death_place"] == -1).all()
+
+
+def test_located_pairs_name_the_place_as_it_is_on_the_map():
+    fractions = random_fractions(np.random.default_rng(8), (5, 4))
+    pairs = persistence_pairs(fractions.values)
+    some = pairs[pairs.index % 2 == 1]  # Rows may have been filtered before.
+    located = locate_pairs(some, fractions.grid)
+    mortal = located[~located["essential"]]
+    assert located["birth_i"].notna().all()
+    assert mortal["death_i"].notna().all()
+    assert (
+        located.loc[located["essential"], ["death_at", "death_i", "death_x"]].isna().all(axis=None)
+    )
+    of_cells = located[located["birth_at"] == "cell"]
+    assert np.allclose(of_cells["birth_x"], of_cells["birth_i"].astype(float) + 0.5)
 
 
 def test_large_grids_have_the_outer_pairs_only():

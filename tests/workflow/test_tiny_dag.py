@@ -68,6 +68,30 @@ def test_the_mesh_has_the_wanted_topology(built):
     assert defects["open_ends"] == 2
 
 
+def test_the_certificate_is_beside_the_mesh_and_holds(built):
+    certificate = json.loads((built / "results/plate/certificate.json").read_text())
+    assert certificate["selection"]["wanted"] == "betti_0 = 1, betti_1 = 2"
+    assert certificate["measured"] == {"euler": [1, 2, 0], "boundary": [1, 2, 0]}
+    assert certificate["mesh"]["sha256"] == hash_file(built / "results/plate/mesh.vtu")
+    mesh = str(built / "results/plate/mesh.vtu")
+    command = [sys.executable, "-m", "tusqh", "check", mesh]
+    assert subprocess.run(command, capture_output=True).returncode == 0
+
+
+def test_the_diagram_says_where_each_hole_is(built):
+    pairs = pd.read_csv(built / "results/plate/diagram.csv")
+    deep = pairs[(pairs["dimension"] == 1) & (pairs["persistence"] > 0.9)]
+    # The round hole is around (20, 20), the square one around (60, 20); y points up.
+    assert len(deep) == 2
+    for row, centre in zip(deep.sort_values("death_x").itertuples(), (20, 60), strict=True):
+        assert abs(row.death_x - centre) <= 10
+        assert abs(row.death_y + 20) <= 10
+        assert row.death_at == "cell"
+        assert 0 <= row.death_i < 32
+    diagonal = pd.read_csv(built / "results/plate/diagonal.csv")
+    assert diagonal["pairs"].sum() > 100
+
+
 def test_every_figure_is_there(built):
     for figure in ("thresholds", "diagram", "antialias", "contaminant"):
         content = (built / f"results/plate/figures/{figure}.png").read_bytes()

@@ -189,22 +189,26 @@ def _interior_edges(kept: BoolArray, at_vertex: NDArray[np.int8], is_interior: B
     vertex = np.arange(at_vertex.size, dtype=np.int64).reshape(at_vertex.shape)
     cell = np.arange(kept.size, dtype=np.int64).reshape(kept.shape)
     padded, is_separated = np.pad(kept, 1), at_vertex == SEPARATE
+    # A path may pass a vertex only when that is interior; it may end at any vertex of a cell.
+    low, high = slice(None, -1), slice(1, None)
+    touches = np.logical_or.reduce([padded[x, y] for x in (low, high) for y in (low, high)])
+    usable = is_interior[::2, ::2] | touches
     ends, beside, attaches = [], [], []
     for axis in range(2):
         # Seen along the axis; edges on the border of the grid are left out.
         interior = np.moveaxis(is_interior, axis, 0)[1::2, 2:-2:2]
         empty = ~np.moveaxis(kept, axis, 0)
-        mask = interior & empty[:, :-1] & empty[:, 1:]
+        at_ends = np.moveaxis(usable, axis, 0)[:, 1:-1]
+        mask = interior & empty[:, :-1] & empty[:, 1:] & at_ends[:-1] & at_ends[1:]
         vertices, cells = np.moveaxis(vertex, axis, 0), np.moveaxis(cell, axis, 0)
         ends.append(np.stack([vertices[:-1, 1:-1][mask], vertices[1:, 1:-1][mask]], axis=1))
         beside.append(np.stack([cells[:, :-1][mask], cells[:, 1:][mask]], axis=1))
         # A kept cell behind an end offers its side when no vertex of it is separated.
         behind, taken = np.moveaxis(padded, axis, 0), np.moveaxis(is_separated, axis, 0)
         free = ~taken[:, :-1] & ~taken[:, 1:]
-        low, high = behind[:-2], behind[2:]
         offers = [
             (c[:, 1:-2] & f[:, :-1]) | (c[:, 2:-1] & f[:, 1:])
-            for c, f in ((low, free[:-1]), (high, free[1:]))
+            for c, f in ((behind[:-2], free[:-1]), (behind[2:], free[1:]))
         ]
         attaches.append(np.stack([offer[mask] for offer in offers], axis=1))
     return _Edges(np.concatenate(ends), np.concatenate(beside), np.concatenate(attaches))

@@ -85,6 +85,7 @@ def locate_pairs(pairs: pd.DataFrame, grid: BackgroundGrid) -> pd.DataFrame:
     ``birth_y``, ... (its centre, in model units), and the same for ``death``, empty where
     nothing destroys the class.
     """
+    pairs = pairs.reset_index(drop=True)
     located = pairs.drop(columns=["birth_place", "death_place"])
     shape = tuple(2 * n + 1 for n in grid.shape)
     for event in ("birth", "death"):
