@@ -54,9 +54,11 @@ def draw_antialias(
     style.draw_polygons(row[0], points, mesh.cells, colour=style.MATERIAL)
     pinches = grid.to_points(np.argwhere(is_pinch)) / scale
     row[0].plot(*pinches.T, ".", color=style.CONNECTING, markersize=4)
-    row[0].add_patch(Rectangle(tuple(lower), *(upper - lower), fill=False, linewidth=1.0))
+    row[0].add_patch(
+        Rectangle(tuple(lower), *(upper - lower), fill=False, edgecolor="black", linewidth=1.0)
+    )
     style.frame(row[0], np.divide(grid.origin, scale), np.divide(grid.upper, scale), unit)
-    row[0].set_title(f"{mesh.name}: {len(pinches)} pinches before anti-aliasing")
+    row[0].set_title(f"{mesh.name}: the mesh; dots: pinches before anti-aliasing ({len(pinches)})")
 
     _draw_sub_cells(row[1], fractions, mesh, threshold, scale)
     style.frame(row[1], lower, upper, unit)

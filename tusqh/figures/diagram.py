@@ -55,10 +55,10 @@ def draw_diagram(
             points["y"],
             s=22 * np.sqrt(points["size"]),
             marker=_MARKERS[k],
-            facecolors=np.where(is_hollow, "none", colour),
+            facecolors=["none" if hollow else colour for hollow in is_hollow],
             alpha=0.75,
             linewidths=np.where(is_hollow, 1.2, 0.4),
-            edgecolors=np.where(is_hollow, colour, "white"),
+            edgecolors=[colour if hollow else "white" for hollow in is_hollow],
         )
         on_diagonal = diagonal[diagonal["dimension"] == k]
         at = 1 - on_diagonal["birth"]
