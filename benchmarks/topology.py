@@ -66,7 +66,8 @@ def main() -> None:
         name, other = others.get(n, ("", None))
         reference = cost_of(other, n) if other else None
         rows.append(compare("betti_curves", n**3, cost_of(betti_curves, n), name, reference))
-    print(f"betti_curves: seconds grow with cells to the power {growth(rows[1:]):.2f}")
+    if len(rows) > 2:
+        print(f"betti_curves: seconds grow with cells to the power {growth(rows[1:]):.2f}")
     if largest >= 64:
         ours, other = cost_of(persistence_pairs, 64), cost_of(pair_simplicial, 64)
         rows.append(compare("persistence_pairs", 64**3, ours, "gudhi simplicial", other))
