@@ -68,3 +68,29 @@ def gudhi_pairs(filtration) -> list[tuple[int, float, float]]:
             tree.insert_batch(simplices.T.astype(np.int32), -filtration.simplex_values(k))
     pairs = tree.persistence(homology_coeff_field=2, persistence_dim_max=True)
     return sorted((k, -birth, max(0.0, -death)) for k, (birth, death) in pairs if birth < death)
+
+
+def gudhi_betti(hexes) -> tuple[int, int, int]:
+    """Betti numbers of a hex mesh: every hex cut into simplices from its lowest point numbers.
+
+    The simplex of a chain of faces of a hex (vertex < edge < face < hex) is one of the barycentric
+    subdivision, whose vertices are the different faces of all dimensions.
+    """
+    import gudhi
+
+    faces = [[0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2], [0, 3, 2, 1], [4, 5, 6, 7]]
+    number: dict[tuple[int, ...], int] = {}
+    tree = gudhi.SimplexTree()
+    for hexahedron in np.asarray(hexes).tolist():
+        body = number.setdefault(tuple(sorted(hexahedron)), len(number))
+        for local in faces:
+            corners = [hexahedron[c] for c in local]
+            face = number.setdefault(tuple(sorted(corners)), len(number))
+            for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
+                edge = number.setdefault(tuple(sorted((a, b))), len(number))
+                for point in (a, b):
+                    vertex = number.setdefault((point,), len(number))
+                    tree.insert([vertex, edge, face, body])
+    tree.compute_persistence(persistence_dim_max=True)
+    betti = [*tree.betti_numbers(), 0, 0, 0]
+    return tuple(betti[:3])

@@ -34,6 +34,11 @@ BoolArray = NDArray[np.bool_]
 #: Corner offsets of a quad in VTK order, shape (4, 2).
 QUAD_CORNERS: IntArray = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=np.int64)
 
+#: Corner offsets of a hex in VTK order, shape (8, 3).
+HEX_CORNERS: IntArray = np.array(
+    [[*corner, z] for z in (0, 1) for corner in QUAD_CORNERS.tolist()], dtype=np.int64
+)
+
 #: Index offset of the neighbour across each side of a quad (see the drawing), shape (4, 2).
 QUAD_SIDES: IntArray = np.array([[0, -1], [1, 0], [0, 1], [-1, 0]], dtype=np.int64)
 

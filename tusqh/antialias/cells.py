@@ -127,10 +127,7 @@ class CellSets:
         fractions, policy = self.fractions, self.policy
         kept = fractions.cells >= threshold
         decisions = decide_by_fraction(
-            find_pinches(kept),
-            fractions.vertices,
-            threshold=threshold,
-            mixed_pinches=policy.mixed_pinches,
+            kept, fractions.values, threshold=threshold, mixed_pinches=policy.mixed_pinches
         )
         at_vertex, bridges, table = join_components(
             kept,

@@ -5,11 +5,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import ndimage
 
+from tusqh.antialias.pinches import find_pinch_edges, find_pinches
 from tusqh.antialias.policy import MixedPinches
 from tusqh.grid import BoolArray, FloatArray, IntArray
 
@@ -62,36 +64,55 @@ def label_clusters(is_pinch: BoolArray) -> tuple[IntArray, int]:
 
 
 def decide_by_fraction(
-    is_pinch: BoolArray,
-    vertex_fraction: FloatArray,
+    kept: BoolArray,
+    values: FloatArray,
     *,
     threshold: float,
     mixed_pinches: MixedPinches = "separate",
 ) -> Decisions:
     """Return the decision of every cluster: connect interior pinches, separate exterior ones.
 
-    A pinch votes to connect when its sub-cell volume fraction is at least the threshold.  A
-    cluster that agrees follows its vote; a mixed one follows `mixed_pinches`, where an even split
-    of ``"majority"`` separates.
+    A pinch vertex, and in 3D a pinch edge, votes to connect when its sub-cell volume fraction is
+    at least the threshold.  A cluster that agrees follows its vote; a mixed one follows
+    `mixed_pinches`, where an even split of ``"majority"`` separates.
 
     Parameters
     ----------
-    is_pinch
-        Pinch vertices, shape ``n + 1``.
-    vertex_fraction
-        Sub-cell volume fractions of the grid vertices, shape ``n + 1``, dimensionless.
+    kept
+        Kept cells, shape n.
+    values
+        Volume fractions on the doubled grid, shape ``2 n + 1``, dimensionless.
     threshold
         Volume-fraction threshold, dimensionless.
     mixed_pinches
         What to do with clusters whose pinches disagree.
     """
-    return decide_by_vote(is_pinch, vertex_fraction >= threshold, mixed_pinches=mixed_pinches)
+    is_interior = values >= threshold
+    edges = []
+    for axis in range(3) if kept.ndim == 3 else ():
+        at = tuple(slice(1 if k == axis else 0, None, 2) for k in range(3))
+        edges.append((find_pinch_edges(kept, axis), is_interior[at]))
+    vertices = is_interior[(slice(None, None, 2),) * kept.ndim]
+    return decide_by_vote(find_pinches(kept), vertices, edges, mixed_pinches=mixed_pinches)
 
 
 def decide_by_vote(
-    is_pinch: BoolArray, votes_connect: BoolArray, *, mixed_pinches: MixedPinches = "separate"
+    is_pinch: BoolArray,
+    votes_connect: BoolArray,
+    edges: Sequence[tuple[BoolArray, BoolArray]] = (),
+    *,
+    mixed_pinches: MixedPinches = "separate",
 ) -> Decisions:
     """Return the decision of every cluster, given each pinch's vote.
+
+    Parameters
+    ----------
+    is_pinch, votes_connect
+        Pinch vertices and votes to connect, shape ``n + 1`` each.
+    edges
+        In 3D, for every axis, pinch edges along it and their votes.
+    mixed_pinches
+        What to do with clusters whose pinches disagree.
 
     Examples
     --------
@@ -103,19 +124,25 @@ def decide_by_vote(
     ([-1, -1, 0, 1], 2, 1)
     """
     labels, n_clusters = label_clusters(is_pinch)
-    size = np.bincount(labels.ravel(), minlength=n_clusters + 1)
-    ayes = np.bincount(labels[votes_connect & is_pinch], minlength=n_clusters + 1)
-    unanimous = (ayes == 0) | (ayes == size)
+    cluster, ayes = [labels[is_pinch]], [votes_connect[is_pinch]]
+    for axis, (is_pinch_edge, votes) in enumerate(edges):
+        # Both ends of a pinch edge are pinches of one cluster.
+        at_lower_end = labels[(slice(None),) * axis + (slice(None, -1),)]
+        cluster.append(at_lower_end[is_pinch_edge])
+        ayes.append(votes[is_pinch_edge])
+    voters, vote = np.concatenate(cluster), np.concatenate(ayes)
+    size = np.bincount(voters, minlength=n_clusters + 1)
+    n_ayes = np.bincount(voters[vote], minlength=n_clusters + 1)
+    unanimous = (n_ayes == 0) | (n_ayes == size)
     if mixed_pinches == "majority":
-        connects = 2 * ayes > size
+        connects = 2 * n_ayes > size
     else:
-        connects = np.where(unanimous, ayes == size, mixed_pinches == "connect")
-    unanimous[0] = True
+        connects = np.where(unanimous, n_ayes == size, mixed_pinches == "connect")
     at_vertex = np.where(connects[labels], CONNECT, SEPARATE).astype(np.int8)
     at_vertex[~is_pinch] = NONE
     return Decisions(
         at_vertex=at_vertex,
         n_clusters=n_clusters,
         n_overruled_clusters=int(np.count_nonzero(~unanimous)),
-        n_overruled_pinches=int(np.count_nonzero(is_pinch & (votes_connect != (at_vertex > 0)))),
+        n_overruled_pinches=int(np.count_nonzero(vote != connects[voters])),
     )

@@ -58,18 +58,40 @@ def pinch_table(dim: int) -> BoolArray:
     >>> int(pinch_table(3).sum())
     128
     """
+    kept, empty = _component_table(dim, 1), _component_table(dim, 1)[::-1]
+    return _frozen((kept > 1) | (empty > 1))
+
+
+@functools.cache
+def template_tables() -> tuple[BoolArray, BoolArray]:
+    """Return, for every 3D code, whether separating and whether connecting acts on the vertex.
+
+    Where it does not, the pinch edges at the vertex do all the work (algorithm notes 4.3).
+
+    >>> [int(table.sum()) for table in template_tables()]
+    [92, 92]
+    """
+    by_face, by_edge = _component_table(3, 1), _component_table(3, 2)
+    separates = (by_face > 1) | (by_edge[::-1] > 1)
+    connects = (by_edge > 1) | (by_face[::-1] > 1)
+    return _frozen(separates), _frozen(connects)
+
+
+def _component_table(dim: int, reach: int) -> IntArray:
+    """Count, for every code, the components of kept cells that differ along `reach` axes at most.
+
+    Reversed, the table counts the components of the empty cells: the code of the complement.
+    """
     n_cells = 2**dim
-    table = np.zeros(2**n_cells, dtype=bool)
-    for code in range(2**n_cells):
-        kept = [b for b in range(n_cells) if code >> b & 1]
-        empty = [b for b in range(n_cells) if not code >> b & 1]
-        table[code] = _n_face_components(kept) > 1 or _n_face_components(empty) > 1
-    table.setflags(write=False)
-    return table
+    counts = [
+        _n_components([b for b in range(n_cells) if code >> b & 1], reach)
+        for code in range(2**n_cells)
+    ]
+    return np.array(counts, dtype=np.int64)
 
 
-def _n_face_components(cells: list[int]) -> int:
-    """Count the components of cells of a neighbourhood that are joined through faces."""
+def _n_components(cells: list[int], reach: int) -> int:
+    """Count the components of cells of a neighbourhood that differ along `reach` axes at most."""
     parent = {c: c for c in cells}
 
     def root(c: int) -> int:
@@ -78,9 +100,30 @@ def _n_face_components(cells: list[int]) -> int:
         return c
 
     for a, b in itertools.combinations(cells, 2):
-        if (a ^ b).bit_count() == 1:
+        if (a ^ b).bit_count() <= reach:
             parent[root(a)] = root(b)
     return sum(parent[c] == c for c in cells)
+
+
+def _frozen(table: BoolArray) -> BoolArray:
+    table.setflags(write=False)
+    return table
+
+
+def find_pinch_edges(kept: BoolArray, axis: int) -> BoolArray:
+    """Return the grid edges along an axis of a 3D grid with exactly a diagonal of cells kept.
+
+    Shape n + 1, but n along the axis.
+
+    >>> kept = np.zeros((2, 2, 1), dtype=bool)
+    >>> kept[0, 0] = kept[1, 1] = True
+    >>> np.argwhere(find_pinch_edges(kept, 2)).tolist()
+    [[1, 1, 0]]
+    """
+    padded = np.moveaxis(np.pad(kept, [(0, 0) if k == axis else (1, 1) for k in range(3)]), axis, 0)
+    a, b = padded[:, :-1, :-1], padded[:, 1:, :-1]
+    c, d = padded[:, :-1, 1:], padded[:, 1:, 1:]
+    return np.moveaxis((a == d) & (b == c) & (a != b), 0, axis)
 
 
 def find_pinches(kept: BoolArray) -> BoolArray:

@@ -13,6 +13,7 @@ from tusqh.antialias.bridges import REJECTED, Bridge
 from tusqh.antialias.cells import CellSet
 from tusqh.antialias.clusters import CONNECT, NONE, Decisions
 from tusqh.antialias.templates_2d import emit_quads
+from tusqh.antialias.templates_3d import emit_hexes
 from tusqh.errors import MeshError
 from tusqh.grid import BackgroundGrid, BoolArray, IntArray
 from tusqh.mesh.betti import betti_by_euler
@@ -156,19 +157,25 @@ def resolve(
     (6, 0)
     """
     at_vertex = decisions.at_vertex.copy()
+    is_freed = np.zeros(at_vertex.shape, dtype=bool)
     for n_rounds in range(MAX_CLOSING_ROUNDS + 1):
-        mesh, grid_vertex = emit_quads(kept, at_vertex, grid, bridges=bridges, name=name)
-        squeezed = grid_vertex[find_non_manifold_points(find_facets(mesh.cells))]
-        is_new = (squeezed >= 0) & (at_vertex.ravel()[squeezed] == NONE)
-        if len(squeezed) == 0:
+        if grid.dim == 2:
+            mesh, grid_vertex = emit_quads(kept, at_vertex, grid, bridges=bridges, name=name)
+        else:
+            mesh, grid_vertex = emit_hexes(kept, at_vertex, grid, is_freed=is_freed, name=name)
+        bad = find_non_manifold_points(find_facets(mesh.cells))
+        if len(bad) == 0:
             return mesh, n_rounds
-        if not is_new.all() or not at_vertex.any():
+        squeezed = grid_vertex[bad][grid_vertex[bad] >= 0]
+        is_new = ~is_freed.ravel()[squeezed]
+        if not is_new.any() or not at_vertex.any():
             break
         _, nearest = ndimage.distance_transform_edt(at_vertex == NONE, return_indices=True)
         at_vertex.ravel()[squeezed] = at_vertex[tuple(nearest)].ravel()[squeezed]
+        is_freed.ravel()[squeezed] = True
     raise MeshError(
-        f"{len(squeezed)} boundary points stay non-manifold after {n_rounds} rounds of closing, "
-        f"the first at grid vertex {np.unravel_index(abs(int(squeezed[0])), at_vertex.shape)}",
+        f"{len(bad)} boundary points stay non-manifold after {n_rounds} rounds of closing, "
+        f"the first at {mesh.points[bad[0]].tolist()}",
         where=name,
         expected="a manifold mesh",
         remedy="this is an error in tusqh: please report it with the fractions file",

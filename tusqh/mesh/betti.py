@@ -7,7 +7,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from tusqh.grid import IntArray
-from tusqh.mesh.facets import find_facets
+from tusqh.mesh.facets import Facets, count_edges, find_facets
 from tusqh.mesh.volume_mesh import VolumeMesh
 from tusqh.topology.betti_numbers import BettiNumbers
 
@@ -23,30 +23,38 @@ def count_components(groups: IntArray) -> int:
     """
     if len(groups) == 0:
         return 0
-    _, compact = np.unique(groups, return_inverse=True)
-    compact = compact.reshape(groups.shape)
-    n = int(compact.max()) + 1
-    first = np.repeat(compact[:, 0], groups.shape[1] - 1)
-    graph = coo_array((np.ones(len(first)), (first, compact[:, 1:].ravel())), shape=(n, n))
-    return int(connected_components(graph, directed=False, return_labels=False))
+    is_used = np.zeros(int(groups.max()) + 1, dtype=bool)
+    is_used[groups.ravel()] = True
+    n = len(is_used)
+    first = np.repeat(groups[:, 0], groups.shape[1] - 1)
+    graph = coo_array((np.ones(len(first), dtype=bool), (first, groups[:, 1:].ravel())), (n, n))
+    n_all = int(connected_components(graph, directed=False, return_labels=False))
+    return n_all - int(n - is_used.sum())
 
 
 def betti_by_euler(mesh: VolumeMesh) -> BettiNumbers:
-    """Return the Betti numbers of a quad mesh from its components and Euler characteristic.
+    """Return the Betti numbers of a mesh from its components and Euler characteristic.
 
-    Components are sets of elements that share points; ``betti_1 = betti_0 - (V - E + F)``.
+    Components are sets of elements that share points.  In 2D the holes follow from the Euler
+    characteristic; in 3D the voids are the components of the boundary, less the outer ones, and
+    the holes follow.
     """
-    n_points = len(np.unique(mesh.cells))
-    euler = n_points - find_facets(mesh.cells).n_unique + mesh.n_cells
+    facets = find_facets(mesh.cells)
     betti_0 = count_components(mesh.cells)
-    return BettiNumbers(betti_0, betti_0 - euler)
+    n_points = len(np.unique(mesh.cells))
+    if mesh.dim == 2:
+        return BettiNumbers(betti_0, betti_0 - (n_points - facets.n_unique + mesh.n_cells))
+    euler = n_points - count_edges(mesh.cells) + facets.n_unique - mesh.n_cells
+    betti_2 = count_components(facets.corners[facets.on_boundary]) - betti_0
+    return BettiNumbers(betti_0, betti_0 + betti_2 - euler, betti_2)
 
 
 def betti_by_boundary(mesh: VolumeMesh) -> BettiNumbers:
-    """Return the Betti numbers of a planar quad mesh from its boundary loops.
+    """Return the Betti numbers of a mesh from its boundary.
 
-    Components are sets of elements that share sides; each has one outer loop, and every other
-    loop of the boundary is a hole.  Equal to `betti_by_euler` on manifold meshes only.
+    Components are sets of elements that share facets; each has one outer boundary.  In 2D every
+    other loop of the boundary is a hole.  In 3D every other surface is a void, and the holes are
+    the total genus of all surfaces.  Equal to `betti_by_euler` on manifold meshes only.
 
     Examples
     --------
@@ -59,7 +67,20 @@ def betti_by_boundary(mesh: VolumeMesh) -> BettiNumbers:
     ('(1, 1, 0)', '(1, 1, 0)')
     """
     facets = find_facets(mesh.cells)
-    neighbours = np.column_stack([facets.cell, mesh.n_cells + facets.unique])
-    betti_0 = count_components(neighbours)
-    n_loops = count_components(facets.corners[facets.on_boundary])
-    return BettiNumbers(betti_0, n_loops - betti_0)
+    betti_0 = _count_by_facets(facets, mesh.n_cells)
+    boundary = facets.corners[facets.on_boundary]
+    if mesh.dim == 2:
+        return BettiNumbers(betti_0, count_components(boundary) - betti_0)
+    sides = find_facets(boundary)
+    n_surfaces = _count_by_facets(sides, len(boundary))
+    euler = len(np.unique(boundary)) - sides.n_unique + len(boundary)
+    return BettiNumbers(betti_0, n_surfaces - euler // 2, n_surfaces - betti_0)
+
+
+def _count_by_facets(facets: Facets, n_cells: int) -> int:
+    """Return the number of components of elements that share facets."""
+    order = np.argsort(facets.unique, kind="stable")
+    same = facets.unique[order[1:]] == facets.unique[order[:-1]]
+    pairs = (facets.cell[order[:-1]][same], facets.cell[order[1:]][same])
+    graph = coo_array((np.ones(len(pairs[0]), dtype=bool), pairs), shape=(n_cells, n_cells))
+    return int(connected_components(graph, directed=False, return_labels=False))

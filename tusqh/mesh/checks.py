@@ -9,10 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from tusqh.errors import MeshError
 from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.mesh.facets import Facets, find_facets
+from tusqh.mesh.hanging_nodes import count_points_in_faces
 from tusqh.mesh.jacobians import corner_jacobians
 from tusqh.mesh.volume_mesh import VolumeMesh
 
@@ -87,22 +90,57 @@ def require_sound(mesh: VolumeMesh) -> None:
 
 
 def find_non_manifold_points(facets: Facets) -> IntArray:
-    """Return the points of a 2D mesh at which the boundary passes more than once.
+    """Return the points at which the boundary is no manifold.
 
-    Every boundary point of a manifold mesh lies on exactly two boundary sides.
+    In 2D every boundary point of a manifold mesh lies on exactly two boundary sides.  In 3D every
+    boundary edge lies in exactly two boundary faces, and the boundary faces at a point form one
+    fan.
     """
     boundary = facets.corners[facets.on_boundary]
-    n_sides = np.bincount(boundary.ravel()) if boundary.size else np.zeros(0, dtype=np.int64)
-    return np.flatnonzero((n_sides != 0) & (n_sides != 2)).astype(np.int64)
+    if boundary.shape[1] == 2:
+        n_sides = np.bincount(boundary.ravel()) if boundary.size else np.zeros(0, dtype=np.int64)
+        return np.flatnonzero((n_sides != 0) & (n_sides != 2)).astype(np.int64)
+    if len(boundary) == 0:
+        return np.empty(0, dtype=np.int64)
+    edges = find_facets(boundary)
+    is_bad = edges.n_cells_of[edges.unique] != 2
+    # Corner c of a face is one wedge; sides c - 1 and c of the face meet there.
+    order = np.argsort(edges.unique[~is_bad], kind="stable")
+    rows = np.flatnonzero(~is_bad)[order].reshape(-1, 2)
+    wedges = []
+    for end in range(2):
+        ends = rows + end if end == 0 else rows - rows % 4 + (rows + 1) % 4
+        wedges.append(ends)
+    # Side r runs from wedge r to the next one of its face; its twin runs the other way or not.
+    start = edges.corners[rows[:, 0], 0]
+    first_of_twin = np.where(edges.corners[rows[:, 1], 0] == start, 0, 1)
+    twin_start = np.where(first_of_twin == 0, wedges[0][:, 1], wedges[1][:, 1])
+    twin_end = np.where(first_of_twin == 0, wedges[1][:, 1], wedges[0][:, 1])
+    links = np.concatenate(
+        [
+            np.stack([wedges[0][:, 0], twin_start], axis=1),
+            np.stack([wedges[1][:, 0], twin_end], axis=1),
+        ]
+    )
+    n = boundary.size
+    graph = coo_array((np.ones(len(links)), tuple(links.T)), shape=(n, n))
+    n_fans, fan = connected_components(graph, directed=False)
+    point_of_fan = np.empty(n_fans, dtype=np.int64)
+    point_of_fan[fan] = boundary.ravel()
+    n_fans_of = np.bincount(point_of_fan)
+    several = np.flatnonzero(n_fans_of > 1)
+    return np.union1d(several, edges.corners[is_bad].ravel()).astype(np.int64)
 
 
 def count_hanging_nodes(points: FloatArray, facets: Facets) -> int:
-    """Return how many boundary points of a 2D mesh lie inside a boundary side."""
-    import shapely
-
+    """Return how many boundary points lie inside a boundary side (in 3D a face or its edge)."""
     boundary = facets.corners[facets.on_boundary]
     if len(boundary) == 0:
         return 0
+    if boundary.shape[1] == 4:
+        return count_points_in_faces(points, boundary)
+    import shapely
+
     sides = shapely.linestrings(points[boundary])
     candidates = np.unique(boundary)
     # A point that hangs on a side was put there on purpose: far closer than any element is small.

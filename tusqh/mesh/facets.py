@@ -15,6 +15,14 @@ HEX_FACETS: IntArray = np.array(
     dtype=np.int64,
 )
 
+#: Local corners of the edges of a hex.
+HEX_EDGES: IntArray = np.array(
+    [[a, (a + 1) % 4] for a in range(4)]
+    + [[4 + a, 4 + (a + 1) % 4] for a in range(4)]
+    + [[a, a + 4] for a in range(4)],
+    dtype=np.int64,
+)
+
 
 @dataclass(frozen=True)
 class Facets:
@@ -78,3 +86,16 @@ def _rank_pairs(first: IntArray, second: IntArray) -> IntArray:
         return np.empty(0, dtype=np.int64)
     packed = first * (int(second.max()) + 1) + second
     return np.asarray(np.unique(packed, return_inverse=True)[1], dtype=np.int64)
+
+
+def count_edges(cells: IntArray) -> int:
+    """Return the number of different edges of hexes, shape (m, 8).
+
+    >>> count_edges(np.arange(8)[None])
+    12
+    """
+    if len(cells) == 0:
+        return 0
+    ends = [cells[:, [a, b]] for a, b in HEX_EDGES.tolist()]
+    edges = np.sort(np.concatenate(ends), axis=1)
+    return len(np.unique(edges[:, 0] * (int(edges.max()) + 1) + edges[:, 1]))
