@@ -22,16 +22,24 @@ app = typer.Typer(
 
 @app.command()
 def inspect(
-    geometry: Annotated[Path, typer.Argument(help="GeoJSON, SVG, DXF or CSV of segments.")],
+    geometry: Annotated[
+        Path, typer.Argument(help="GeoJSON, SVG, DXF, CSV; STL, OBJ, PLY, OFF, GLB, VTK.")
+    ],
 ) -> None:
     """Measure the defects of a geometry file; nothing is repaired.
 
     Example: tusqh inspect data_sources/chesapeake/counties.geojson
     """
     from tusqh.geometry.defects import describe_defects
-    from tusqh.geometry.read import read_outline
+    from tusqh.geometry.files import read_geometry
+    from tusqh.geometry.outline import Outline
+    from tusqh.geometry.surface_defects import describe_surface_defects
 
-    _show(describe_defects(read_outline(geometry)), title=f"Defects of {geometry.name}")
+    found = read_geometry(geometry)
+    table = (
+        describe_defects(found) if isinstance(found, Outline) else describe_surface_defects(found)
+    )
+    _show(table, title=f"Defects of {geometry.name}")
 
 
 @app.command()

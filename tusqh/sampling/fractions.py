@@ -14,7 +14,8 @@ Everything outside the grid is empty.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -22,7 +23,9 @@ import numpy as np
 
 from tusqh.errors import SamplingError
 from tusqh.geometry.outline import Outline
+from tusqh.geometry.soup import Soup
 from tusqh.grid import BackgroundGrid, FloatArray
+from tusqh.sampling.crossings import wind_on_lattice
 from tusqh.sampling.winding_number import winding_number
 
 Box = tuple[tuple[float, ...], tuple[float, ...]]
@@ -33,8 +36,13 @@ Orientation = Literal["auto", "as-is", "flip"]
 #: Fractions are rounded once to multiples of this, because ties decide topology.
 RESOLUTION = 2.0**-20
 
-#: Samples per call of the winding number, which bounds memory and paces progress reports.
-_SLAB = 50_000
+#: Samples per call of the winding number, by dimension: bounds memory, paces progress reports.
+_SLAB = {2: 50_000, 3: 10_000_000}
+
+#: Memory that fractions and the filtration need per cell, by dimension (measured).
+_BYTES_PER_CELL = {2: 300, 3: 600}
+
+Geometry = Outline | Soup
 
 
 @dataclass(frozen=True)
@@ -72,7 +80,7 @@ class VolumeFractions:
 
 
 def sample_fractions(
-    outline: Outline,
+    geometry: Geometry,
     grid: BackgroundGrid,
     *,
     samples: int = 4,
@@ -82,11 +90,11 @@ def sample_fractions(
     orientation: Orientation = "auto",
     progress: Callable[[int, int], None] | None = None,
 ) -> VolumeFractions:
-    """Return the volume fractions of an outline on a grid.
+    """Return the volume fractions of an outline or a soup on a grid.
 
     Parameters
     ----------
-    outline
+    geometry
         The geometry, as it is.
     grid
         The background grid.
@@ -108,8 +116,9 @@ def sample_fractions(
     Raises
     ------
     SamplingError
-        Odd or non-positive `samples`, a window or grid that misses the geometry, a winding
-        number that is zero everywhere, or nothing of the domain in the grid.
+        Odd or non-positive `samples`, a grid that does not fit in memory, a window or grid that
+        misses the geometry, a winding number that is zero everywhere, or nothing of the domain
+        in the grid.
 
     Examples
     --------
@@ -123,35 +132,43 @@ def sample_fractions(
     [[0.0, 0.25, 0.5, 0.25, 0.0], [0.0, 0.5, 1.0, 0.5, 0.0], [0.0, 0.25, 0.5, 0.25, 0.0]]
     """
     _check_samples(samples)
-    _check_overlap(outline, grid, window)
+    _check_overlap(geometry, grid, window)
+    require_memory(grid, name=geometry.name)
     axes = [
         o + grid.cell_size * (np.arange(n * samples) + 0.5) / samples
         for o, n in zip(grid.origin, grid.shape, strict=True)
     ]
-    winding = _winding_on_lattice(outline, axes, progress)
-    if not (np.abs(winding) > RESOLUTION).any():
+    signs = {"as-is": (1,), "flip": (-1,), "auto": (1, -1)}[orientation]
+    blocks: dict[int, list[FloatArray]] = {sign: [] for sign in signs}
+    total, is_nonzero = 0.0, False
+    for start, winding in _winding_by_slabs(geometry, axes, samples, progress):
+        total += float(winding.sum())
+        is_nonzero |= bool((np.abs(winding) > RESOLUTION).any())
+        slab_axes = [axes[0][start : start + len(winding)], *axes[1:]]
+        for sign in signs:
+            values = sign * winding if domain == "inside" else 1.0 - sign * winding
+            if rule == "clamped":
+                values = np.clip(values, 0.0, 1.0)
+            if window is not None:
+                for axis, (x, low, high) in enumerate(zip(slab_axes, *window, strict=True)):
+                    values[(slice(None),) * axis + ((x < low) | (x > high),)] = 0.0
+            blocks[sign].append(_half_block_means(values, samples))
+    if not is_nonzero:
         raise SamplingError(
             "the winding number is zero everywhere, so the geometry has no inside",
-            where=outline.name,
-            expected="curves that enclose something, each border walked once",
-            remedy="remove one of the two copies if every curve is there twice in opposite "
+            where=geometry.name,
+            expected="a geometry that encloses something, each border walked once",
+            remedy="remove one of the two copies if every border is there twice in opposite "
             "directions (double-sided sheets)",
         )
-    if orientation == "flip" or (orientation == "auto" and winding.mean() < 0):
-        winding = -winding
-    values = winding if domain == "inside" else 1.0 - winding
-    if rule == "clamped":
-        values = np.clip(values, 0.0, 1.0)
-    if window is not None:
-        for axis, (coordinate, low, high) in enumerate(zip(axes, *window, strict=True)):
-            is_outside = (coordinate < low) | (coordinate > high)
-            values[(slice(None),) * axis + (is_outside,)] = 0.0
-    fractions = VolumeFractions(grid=grid, samples=samples, values=_average(values, samples))
+    chosen = -1 if -1 in signs and (orientation == "flip" or total < 0) else 1
+    values = _average(np.concatenate(blocks[chosen]))
+    fractions = VolumeFractions(grid=grid, samples=samples, values=values)
     if not (fractions.cells > 0).any():
         raise SamplingError(
             f"no cell of the {grid.label} grid has a positive fraction of the {domain} of the "
             "geometry",
-            where=outline.name,
+            where=geometry.name,
             expected="some material in the grid",
             remedy="use the other `domain`, `orientation: auto`, a finer grid or another window",
         )
@@ -167,34 +184,59 @@ def round_fractions(values: FloatArray) -> FloatArray:
     return np.rint(values / RESOLUTION) * RESOLUTION + 0.0  # + 0.0 turns -0.0 into 0.0
 
 
-def _winding_on_lattice(
-    outline: Outline, axes: list[FloatArray], progress: Callable[[int, int], None] | None
-) -> FloatArray:
-    """Return the winding number at every lattice point, shape of the lattice."""
+def require_memory(grid: BackgroundGrid, *, name: str) -> None:
+    """Raise a `SamplingError` with the estimate when a grid cannot fit in this machine's memory."""
+    needed = grid.n_cells * _BYTES_PER_CELL[grid.dim]
+    available = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    if needed > available:
+        coarser = (needed / available) ** (1 / grid.dim)
+        raise SamplingError(
+            f"the {grid.label} grid of {grid.n_cells:,} cells needs about {needed / 1e9:.0f} GB",
+            where=name,
+            expected=f"at most the {available / 1e9:.0f} GB of this machine",
+            remedy=f"use cells at least {coarser:.2g} times as large (`grid.cell_size`), or fewer "
+            "`grid.cells`",
+        )
+
+
+def _winding_by_slabs(
+    geometry: Geometry,
+    axes: list[FloatArray],
+    samples: int,
+    progress: Callable[[int, int], None] | None,
+) -> Iterator[tuple[int, FloatArray]]:
+    """Yield the winding numbers of slabs of whole half-blocks along x, and where each starts."""
     shape = tuple(len(a) for a in axes)
-    winding = np.empty(shape)
-    rows = max(1, _SLAB // int(np.prod(shape[1:])))
+    half = samples // 2
+    limit = _SLAB[len(shape)]
+    rows = max(1, limit // int(np.prod(shape[1:])) // half) * half
     for start in range(0, shape[0], rows):
         stop = min(start + rows, shape[0])
-        points = np.meshgrid(axes[0][start:stop], *axes[1:], indexing="ij")
-        queries = np.stack(points, axis=-1).reshape(-1, len(axes))
-        winding[start:stop] = winding_number(outline, queries).reshape(stop - start, *shape[1:])
+        slab = [axes[0][start:stop], *axes[1:]]
+        if isinstance(geometry, Soup):
+            winding = wind_on_lattice(geometry, slab)
+        else:
+            queries = np.stack(np.meshgrid(*slab, indexing="ij"), axis=-1).reshape(-1, 2)
+            winding = winding_number(geometry, queries).reshape(stop - start, *shape[1:])
+        yield start, winding
         if progress is not None:
-            progress(stop * winding[0].size, winding.size)
-    return winding
+            progress(stop * int(np.prod(shape[1:])), int(np.prod(shape)))
 
 
-def _average(values: FloatArray, samples: int) -> FloatArray:
-    """Return the rounded fractions on the doubled grid from values on the sample lattice."""
+def _half_block_means(values: FloatArray, samples: int) -> FloatArray:
+    """Return the means of half-blocks of samples, two along each side of a cell."""
     half = samples // 2
     blocked = [k for n in values.shape for k in (n // half, half)]
-    blocks = values.reshape(blocked).mean(axis=tuple(range(1, 2 * values.ndim, 2)))
+    return np.asarray(values.reshape(blocked).mean(axis=tuple(range(1, 2 * values.ndim, 2))))
+
+
+def _average(blocks: FloatArray) -> FloatArray:
+    """Return the rounded fractions on the doubled grid from half-block means."""
     padded = np.pad(blocks, 1)
     for axis in range(padded.ndim):
-        lower = np.take(padded, np.arange(padded.shape[axis] - 1), axis=axis)
-        upper = np.take(padded, np.arange(1, padded.shape[axis]), axis=axis)
-        padded = (lower + upper) / 2
-    return round_fractions(padded)
+        lower, upper = (np.moveaxis(padded, axis, 0)[part] for part in (slice(-1), slice(1, None)))
+        padded = np.moveaxis((lower + upper) / 2, 0, axis)
+    return round_fractions(np.ascontiguousarray(padded))
 
 
 def _check_samples(samples: Any) -> None:
@@ -207,8 +249,8 @@ def _check_samples(samples: Any) -> None:
         )
 
 
-def _check_overlap(outline: Outline, grid: BackgroundGrid, window: Box | None) -> None:
-    low, high = outline.bounding_box()
+def _check_overlap(geometry: Geometry, grid: BackgroundGrid, window: Box | None) -> None:
+    low, high = geometry.bounding_box()
     boxes = {"the background grid": (grid.origin, grid.upper)}
     if window is not None:
         boxes["the window"] = window
@@ -217,7 +259,7 @@ def _check_overlap(outline: Outline, grid: BackgroundGrid, window: Box | None) -
             raise SamplingError(
                 f"{what} from {tuple(box_low)} to {tuple(box_high)} misses the geometry, which "
                 f"lies between {low} and {high}",
-                where=outline.name,
+                where=geometry.name,
                 expected="a box that overlaps the geometry",
                 remedy="correct `window`, in the units of the geometry file",
             )

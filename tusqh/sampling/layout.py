@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from tusqh.geometry.outline import Outline
+from tusqh.errors import SamplingError
 from tusqh.grid import BackgroundGrid
-from tusqh.sampling.fractions import Box
+from tusqh.sampling.fractions import Box, Geometry
 
 
 def to_window(window: dict[str, list[float]] | None) -> Box | None:
@@ -21,12 +21,12 @@ def to_window(window: dict[str, list[float]] | None) -> Box | None:
     return lower, upper
 
 
-def lay_grid(outline: Outline, window: Box | None, **size: Any) -> BackgroundGrid:
-    """Return the background grid for an outline.
+def lay_grid(geometry: Geometry, window: Box | None, **size: Any) -> BackgroundGrid:
+    """Return the background grid for a geometry.
 
     Parameters
     ----------
-    outline
+    geometry
         The geometry.
     window
         Box to cover instead of the bounding box, in model units.
@@ -36,9 +36,26 @@ def lay_grid(outline: Outline, window: Box | None, **size: Any) -> BackgroundGri
     Raises
     ------
     SamplingError
-        The box has no extent along an axis.
+        The box has no extent along an axis, or another number of axes than the geometry.
     """
-    lower, upper = window or outline.bounding_box()
+    lower, upper = window or geometry.bounding_box()
+    dim = len(geometry.bounding_box()[0])
+    cells = size.get("cells")
+    wrong = [
+        f"`{key}` has {n} numbers"
+        for key, n in (
+            ("window", len(lower)),
+            ("grid.cells", len(cells) if isinstance(cells, list) else dim),
+        )
+        if n != dim
+    ]
+    if wrong:
+        raise SamplingError(
+            f"{' and '.join(wrong)}, the geometry has {dim} dimensions",
+            where=geometry.name,
+            expected=f"{dim} numbers, one for each axis",
+            remedy="correct the model's block in the configuration",
+        )
     if isinstance(size.get("cells"), list):
         size["cells"] = tuple(size["cells"])
     return BackgroundGrid.over_box(lower, upper, **size)

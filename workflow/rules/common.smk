@@ -5,6 +5,7 @@ from snakemake.exceptions import WorkflowError
 
 from tusqh.config import load_config
 from tusqh.errors import TusqhError
+from tusqh.geometry.files import PACKAGE, dimension_of
 from tusqh.quality.system_libraries import describe_missing
 
 ENVIRONMENT = "../../environment.yml"
@@ -41,4 +42,6 @@ def of_model(*keys):
 
 
 def geometry_of(wildcards):
-    return MODELS[wildcards.model]["geometry"]
+    """Return the geometry file of a model, none where it lies inside an installed package."""
+    geometry = MODELS[wildcards.model]["geometry"]
+    return [] if geometry.startswith(PACKAGE) else geometry

@@ -6,6 +6,8 @@ rule ingest:
         defects=report("results/{model}/defects.csv", "../report/defects.rst", category="{model}"),
         record="results/provenance/{model}/ingest.json",
         record_how="results/provenance/{model}/ingest.how.json",
+    params:
+        geometry=lambda wildcards: MODELS[wildcards.model]["geometry"],
     log:
         "results/{model}/logs/ingest.log",
     conda:

@@ -4,7 +4,7 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.policy import Policy
 from tusqh.figures import style
 from tusqh.figures.thresholds import draw_thresholds
-from tusqh.geometry.io import load_outline
+from tusqh.geometry.files import load_geometry
 from tusqh.provenance.record import recorded
 from tusqh.sampling.io import load_fractions
 
@@ -12,7 +12,7 @@ with recorded(snakemake) as log:
     policy = Policy.from_settings(snakemake.params.policy)
     figure = draw_thresholds(
         CellSets(load_fractions(Path(snakemake.input.fractions)), policy),
-        load_outline(Path(snakemake.input.geometry)),
+        load_geometry(Path(snakemake.input.geometry)),
         snakemake.params.drawing["panels"],
         name=snakemake.wildcards.model,
         unit=snakemake.params.drawing["unit"],

@@ -1,14 +1,19 @@
 from pathlib import Path
 
 from tusqh.geometry.defects import describe_defects
-from tusqh.geometry.io import write_outline
-from tusqh.geometry.read import read_outline
+from tusqh.geometry.files import locate, read_geometry, write_geometry
+from tusqh.geometry.outline import Outline
+from tusqh.geometry.surface_defects import describe_surface_defects
 from tusqh.provenance.record import recorded
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
-    outline = read_outline(Path(snakemake.input.geometry))
-    log.info("%d segments in %d chains", outline.n_segments, len(set(outline.chains.tolist())))
-    defects = describe_defects(outline)
-    write_outline(Path(snakemake.output.geometry), outline)
+    geometry = read_geometry(locate(snakemake.params.geometry))
+    if isinstance(geometry, Outline):
+        log.info("%d segments in %d chains", geometry.n_segments, len(set(geometry.chains)))
+        defects = describe_defects(geometry)
+    else:
+        log.info("%d triangles in %d parts", len(geometry.triangles), len(set(geometry.parts)))
+        defects = describe_surface_defects(geometry)
+    write_geometry(Path(snakemake.output.geometry), geometry)
     write_csv(Path(snakemake.output.defects), defects)

@@ -1,6 +1,6 @@
 from pathlib import Path
 
-from tusqh.geometry.io import load_outline
+from tusqh.geometry.files import load_geometry
 from tusqh.progress import log_progress
 from tusqh.provenance.record import recorded
 from tusqh.sampling.fractions import sample_fractions
@@ -8,11 +8,11 @@ from tusqh.sampling.io import save_fractions
 from tusqh.sampling.layout import lay_grid, to_window
 
 with recorded(snakemake) as log:
-    outline = load_outline(Path(snakemake.input.geometry))
+    geometry = load_geometry(Path(snakemake.input.geometry))
     window = to_window(snakemake.params.grid.get("window"))
-    grid = lay_grid(outline, window, **snakemake.params.grid["grid"])
+    grid = lay_grid(geometry, window, **snakemake.params.grid["grid"])
     log.info("%s cells of size %g", grid.label, grid.cell_size)
     fractions = sample_fractions(
-        outline, grid, window=window, progress=log_progress("samples"), **snakemake.params.sampling
+        geometry, grid, window=window, progress=log_progress("samples"), **snakemake.params.sampling
     )
     save_fractions(Path(snakemake.output.fractions), fractions)

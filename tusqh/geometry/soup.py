@@ -1,0 +1,94 @@
+"""The soup: triangles in space, exactly as a file gave them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tusqh.errors import GeometryError
+from tusqh.grid import FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class Soup:
+    """Directed triangles in space, as they were read: nothing merged, closed or dropped.
+
+    Parameters
+    ----------
+    points
+        Coordinates, shape (n, 3), in the units of the file.
+    triangles
+        Corners of every triangle, counter-clockwise seen from outside, shape (m, 3).
+    parts
+        For every triangle the number of the part (object, solid, shell) of the file it belongs
+        to, shape (m,).
+    name
+        Where it came from, for messages.
+
+    Raises
+    ------
+    GeometryError
+        No triangles, corners out of range, coordinates that are not finite, or no extent.
+
+    Examples
+    --------
+    >>> corner = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    >>> Soup(corner, np.array([[0, 1, 2]]), np.array([0])).bounding_box()
+    ((0.0, 0.0, 0.0), (1.0, 1.0, 0.0))
+    """
+
+    points: FloatArray
+    triangles: IntArray
+    parts: IntArray
+    name: str = "soup"
+
+    def __post_init__(self) -> None:
+        if len(self.triangles) == 0:
+            raise GeometryError(
+                "the geometry is empty: no triangle in it",
+                where=self.name,
+                expected="a surface of triangles or polygons",
+                remedy="check that the file holds a surface, not only points or lines",
+            )
+        is_out = (self.triangles < 0) | (self.triangles >= len(self.points))
+        if is_out.any():
+            first = int(np.flatnonzero(is_out.any(axis=1))[0])
+            raise GeometryError(
+                f"{int(is_out.any(axis=1).sum())} triangles have corners out of range (the first "
+                f"is triangle {first}: {self.triangles[first].tolist()})",
+                where=self.name,
+                expected=f"corners between 0 and {len(self.points) - 1}",
+                remedy="export the file again; it is damaged",
+            )
+        used = np.unique(self.triangles)
+        is_bad = ~np.isfinite(self.points[used]).all(axis=1)
+        if is_bad.any():
+            first = int(used[is_bad][0])
+            raise GeometryError(
+                f"{int(is_bad.sum())} of {len(used)} points have NaN or infinite coordinates "
+                f"(the first is point {first}: {self.points[first].tolist()})",
+                where=self.name,
+                expected="finite coordinates",
+                remedy="remove or correct those points in the file",
+            )
+        if not np.ptp(self.points[used], axis=0).max() > 0:
+            raise GeometryError(
+                f"the geometry has zero extent: every point is {self.points[used[0]].tolist()}",
+                where=self.name,
+                expected="a surface with an extent",
+                remedy="check units and coordinates in the file",
+            )
+
+    def bounding_box(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Return the lowest and the highest corner of the points in use."""
+        used = self.points[np.unique(self.triangles)]
+        return tuple(used.min(axis=0).tolist()), tuple(used.max(axis=0).tolist())
+
+    def matched(self) -> tuple[FloatArray, IntArray]:
+        """Return points and triangles with points of equal coordinates taken as one.
+
+        Nothing moves: coordinates match when they are equal in every bit (0.0 equals -0.0).
+        """
+        points, number = np.unique(self.points + 0.0, axis=0, return_inverse=True)
+        return points, number.reshape(-1)[self.triangles].astype(np.int64)
