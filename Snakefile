@@ -17,7 +17,9 @@ rule all:
         "results/tables/summary.csv",
         "results/tables/summary.md",
         "results/tables/verification.csv",
-        expand("results/{model}/figures/{figure}.png", model=MODELS, figure=FIGURES),
+        figures_of_all_models(),
+        "results/figures/pinches.png",
+        expand("results/{model}/export/{file}", model=MODELS, file=EXPORTS),
         expand("results/{model}/simulation/concentration.pvd", model=MODELS),
         expand("results/{model}/defects.csv", model=MODELS),
 

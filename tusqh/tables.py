@@ -13,7 +13,7 @@ from tusqh.mesh.betti import betti_by_boundary, betti_by_euler
 from tusqh.mesh.checks import check_mesh
 from tusqh.mesh.jacobians import corner_jacobians
 from tusqh.mesh.volume_mesh import VolumeMesh
-from tusqh.quality.verdict import SCALED_JACOBIAN_2D, overall
+from tusqh.quality.verdict import SCALED_JACOBIAN, overall
 
 #: Required columns of results/tables/verification.csv.
 VERIFICATION_COLUMNS = (
@@ -65,7 +65,7 @@ def verification_row(mesh: VolumeMesh, cells: CellSet, *, grid: str) -> dict[str
     holds = (
         all(checks.values())
         and measured == betti_by_boundary(mesh) == cells.predicted
-        and smallest >= SCALED_JACOBIAN_2D - 1e-8
+        and smallest >= SCALED_JACOBIAN[mesh.dim] - 1e-8
     )
     values = [
         *(mesh.name, mesh.dim, grid, cells.threshold, int(cells.kept.sum()), mesh.n_cells),

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from tusqh.grid import FloatArray, IntArray
-from tusqh.mesh.facets import HEX_FACETS
+from tusqh.mesh.facets import HEX_FACETS, find_facets
+from tusqh.mesh.volume_mesh import VolumeMesh
 
 #: Neighbours of every corner, ordered so that a valid element has positive determinants.
 QUAD_NEIGHBOURS: IntArray = np.array([[1, 3], [2, 0], [3, 1], [0, 2]], dtype=np.int64)
@@ -80,3 +81,12 @@ def element_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
     triangles = [(a, b, c), (a, c, d), (a, b, d), (b, c, d)]
     volumes = sum(np.einsum("mfi,mfi->m", p, np.cross(q, r)) for p, q, r in triangles)
     return np.asarray(volumes / 12)
+
+
+def enclosed_volume(mesh: VolumeMesh) -> float:
+    """Return the volume that the boundary of a hex mesh encloses, by the divergence theorem."""
+    facets = find_facets(mesh.cells)
+    corners = mesh.points[facets.corners[facets.on_boundary]] - mesh.points.mean(axis=0)
+    a, b, c, d = np.moveaxis(corners, 1, 0)
+    triangles = [(a, b, c), (a, c, d), (a, b, d), (b, c, d)]
+    return float(sum(np.einsum("mi,mi->", p, np.cross(q, r)) for p, q, r in triangles) / 12)

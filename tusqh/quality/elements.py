@@ -1,4 +1,4 @@
-"""Element metrics by VTK: scaled Jacobian, aspect ratio, angles and area."""
+"""Element metrics by VTK: scaled Jacobian, aspect ratio, angles, area; in 3D shape and volume."""
 
 from __future__ import annotations
 
@@ -9,21 +9,32 @@ import pandas as pd
 
 from tusqh.mesh.volume_mesh import VolumeMesh
 
-#: Our column names, VTK's names, and units.
+#: Our column names, VTK's names, and units, by dimension.
 METRICS = {
-    "scaled_jacobian": ("scaled_jacobian", "-"),
-    "aspect_ratio": ("aspect_ratio", "-"),
-    "min_angle": ("min_angle", "degree"),
-    "max_angle": ("max_angle", "degree"),
-    "area": ("area", "model units^2"),
+    2: {
+        "scaled_jacobian": ("scaled_jacobian", "-"),
+        "aspect_ratio": ("aspect_ratio", "-"),
+        "min_angle": ("min_angle", "degree"),
+        "max_angle": ("max_angle", "degree"),
+        "area": ("area", "model units^2"),
+    },
+    3: {
+        "scaled_jacobian": ("scaled_jacobian", "-"),
+        "edge_ratio": ("max_edge_ratio", "-"),
+        "skew": ("skew", "-"),
+        "shape": ("shape", "-"),
+        "volume": ("volume", "model units^3"),
+    },
 }
+_UNITS = {name: unit for of_dim in METRICS.values() for name, (_, unit) in of_dim.items()}
 
 
 def element_metrics(mesh: VolumeMesh) -> pd.DataFrame:
-    """Return VTK's metrics of every quad, one row each; NaN where VTK has no finite value.
+    """Return VTK's metrics of every element, one row each; NaN where VTK has no finite value.
 
-    Columns: scaled_jacobian (1 for a square), aspect_ratio (1 for a square), min_angle and
-    max_angle in degrees, area in model units squared.
+    Columns in 2D: scaled_jacobian (1 for a square), aspect_ratio (1 for a square), min_angle and
+    max_angle in degrees, area in model units squared.  In 3D: scaled_jacobian, edge_ratio and
+    shape (1 for a cube), skew (0 for a cube), volume in model units cubed.
 
     Examples
     --------
@@ -38,10 +49,11 @@ def element_metrics(mesh: VolumeMesh) -> pd.DataFrame:
     points = np.zeros((len(mesh.points), 3))
     # Map coordinates are millions of metres; metrics do not change when the mesh is moved.
     points[:, : mesh.dim] = mesh.points - mesh.points[0]
-    grid = pyvista.UnstructuredGrid({9: mesh.cells}, points)
-    wanted: Any = [vtk_name for vtk_name, _ in METRICS.values()]
+    grid = pyvista.UnstructuredGrid({9 if mesh.dim == 2 else 12: mesh.cells}, points)
+    metrics = METRICS[mesh.dim]
+    wanted: Any = [vtk_name for vtk_name, _ in metrics.values()]
     measured = grid.cell_quality(wanted)
-    table = pd.DataFrame({ours: measured.cell_data[vtk] for ours, (vtk, _) in METRICS.items()})
+    table = pd.DataFrame({ours: measured.cell_data[vtk] for ours, (vtk, _) in metrics.items()})
     return table.where(np.isfinite(table))
 
 
@@ -55,7 +67,7 @@ def summarise_metrics(metrics: pd.DataFrame) -> pd.DataFrame:
             "median": column.median(),
             "mean": column.mean(),
             "max": column.max(skipna=False),
-            "unit": METRICS[str(name)][1],
+            "unit": _UNITS[str(name)],
         }
         for name, column in metrics.items()
     ]

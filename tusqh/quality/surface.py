@@ -6,16 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tusqh.mesh.facets import find_facets
 from tusqh.mesh.volume_mesh import VolumeMesh
 from tusqh.quality.system_libraries import SystemLibraryError, describe_missing
 
 
 @dataclass(frozen=True)
 class SurfaceMeasures:
-    """What pymeshlab finds on the quads of a 2D mesh, split into triangles.
+    """What pymeshlab finds on a mesh: the quads of a 2D mesh, or the boundary of a 3D one.
 
-    Two flat elements that overlap are not a self-intersection to pymeshlab, which looks for
-    crossing triangles; `measure_overlap` finds those.
+    Quads are split into triangles.  Two flat elements that overlap are not a self-intersection
+    to pymeshlab, which looks for crossing triangles; `measure_overlap` finds those.
     """
 
     non_manifold_edges: int
@@ -24,10 +25,11 @@ class SurfaceMeasures:
     unreferenced_vertices: int
     connected_components: int
     boundary_loops: int
+    genus: int
 
 
 def surface_measures(mesh: VolumeMesh) -> SurfaceMeasures:
-    """Return pymeshlab's topological measures of a 2D mesh.
+    """Return pymeshlab's topological measures of a 2D mesh or of the boundary of a 3D mesh.
 
     Raises
     ------
@@ -43,9 +45,15 @@ def surface_measures(mesh: VolumeMesh) -> SurfaceMeasures:
         import pymeshlab
 
         meshes = pymeshlab.MeshSet(verbose=False)
-        points = np.zeros((len(mesh.points), 3))
-        points[:, : mesh.dim] = mesh.points - mesh.points[0]
-        triangles = np.concatenate([mesh.cells[:, [0, 1, 2]], mesh.cells[:, [0, 2, 3]]])
+        quads = mesh.cells
+        if mesh.dim == 3:
+            facets = find_facets(mesh.cells)
+            quads = facets.corners[facets.on_boundary]
+        used, quads = np.unique(quads, return_inverse=True)
+        quads = quads.reshape(-1, 4)
+        points = np.zeros((len(used), 3))
+        points[:, : mesh.dim] = mesh.points[used] - mesh.points[0]
+        triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
         meshes.add_mesh(pymeshlab.Mesh(points, triangles.astype(np.int32)))
         measures = meshes.get_topological_measures()
         meshes.compute_selection_by_self_intersections_per_face()
@@ -64,6 +72,7 @@ def surface_measures(mesh: VolumeMesh) -> SurfaceMeasures:
         unreferenced_vertices=int(measures["unreferenced_vertices"]),
         connected_components=int(measures["connected_components_number"]),
         boundary_loops=int(measures["number_holes"]),
+        genus=int(measures["genus"]),
     )
 
 

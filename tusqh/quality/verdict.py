@@ -10,15 +10,16 @@ import pandas as pd
 from tusqh.errors import TusqhError
 from tusqh.mesh.betti import betti_by_boundary, betti_by_euler
 from tusqh.mesh.checks import Check, check_mesh
-from tusqh.mesh.jacobians import corner_jacobians
+from tusqh.mesh.jacobians import corner_jacobians, element_volumes, enclosed_volume
 from tusqh.mesh.volume_mesh import VolumeMesh
 from tusqh.quality.surface import measure_overlap, surface_measures
 from tusqh.quality.system_libraries import SystemLibraryError
 from tusqh.simulate.zero_modes import count_zero_modes
 from tusqh.topology.betti_numbers import BettiNumbers
 
-#: Smallest scaled Jacobian that the 1-5 template can make on square cells: sqrt(2)/2.
-SCALED_JACOBIAN_2D = math.sqrt(2) / 2
+#: Smallest scaled Jacobian that the templates can make: the trapezoids of the 1-5 template on
+#: square cells, the frusta of the 1-7 template on cubic ones.
+SCALED_JACOBIAN = {2: math.sqrt(2) / 2, 3: 1 / math.sqrt(3)}
 
 #: Room for rounding in coordinates of 1e7 times the cell size.
 _ROUNDING = 1e-8
@@ -43,18 +44,18 @@ def judge_mesh(
         return checks
     checks += [
         _equal("Betti numbers by Euler characteristic", betti_by_euler(mesh), predicted),
-        _equal("Betti numbers by boundary loops", betti_by_boundary(mesh), predicted),
+        _equal("Betti numbers by boundary", betti_by_boundary(mesh), predicted),
         _at_least(
             "smallest scaled Jacobian",
             float(corner_jacobians(mesh.points, mesh.cells)[1].min()),
-            SCALED_JACOBIAN_2D,
+            SCALED_JACOBIAN[mesh.dim],
         ),
         _at_least(
             "smallest scaled Jacobian by VTK",
             float(element_metrics["scaled_jacobian"].min(skipna=False)),
-            SCALED_JACOBIAN_2D,
+            SCALED_JACOBIAN[mesh.dim],
         ),
-        _at_most("share of the area covered twice", measure_overlap(mesh), 1e-9),
+        _overlap(mesh),
         _equal("zero modes of the stiffness matrix (MFEM)", *_zero_modes(mesh, predicted)),
     ]
     return checks + judge_surface(mesh, predicted)
@@ -71,9 +72,11 @@ def judge_surface(
         "non_manifold_vertices": 0,
         "self_intersecting_faces": 0,
         "unreferenced_vertices": 0,
-        "connected_components": predicted.betti_0,
+        "connected_components": predicted.betti_0 + predicted.betti_2,
         "boundary_loops": predicted.betti_0 + predicted.betti_1,
     }
+    if mesh.dim == 3:  # The boundary of a volume is closed, and its handles are the holes.
+        required |= {"boundary_loops": 0, "genus": predicted.betti_1}
     names = {key: f"{key.replace('_', ' ')} (pymeshlab)" for key in required}
     try:
         measures = measure(mesh)
@@ -116,6 +119,15 @@ def _zero_modes(mesh: VolumeMesh, predicted: BettiNumbers) -> tuple[object, int]
         return count_zero_modes(mesh), predicted.betti_0
     except TusqhError as reason:
         return f"rejected: {reason.found}", predicted.betti_0
+
+
+def _overlap(mesh: VolumeMesh) -> Check:
+    """Check that elements do not overlap; in 3D the boundary must enclose as much as they fill."""
+    if mesh.dim == 2:
+        return _at_most("share of the area covered twice", measure_overlap(mesh), 1e-9)
+    filled = float(element_volumes(mesh.points, mesh.cells).sum())
+    share = abs(enclosed_volume(mesh) / filled - 1)
+    return _at_most("enclosed and filled volume, relative difference", share, 1e-9)
 
 
 def _equal(name: str, found: object, required: object) -> Check:

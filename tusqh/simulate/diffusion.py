@@ -1,4 +1,4 @@
-"""Transient diffusion of a contaminant with no flux through the boundary.
+"""Transient diffusion with no flux through the boundary: a contaminant in 2D, heat in 3D.
 
 ``dc/dt = div(D grad c)`` with H1 elements and implicit Euler: ``(M + dt D K) c_new = M c_old``.
 At order 1 the mass matrix is lumped (row sums), which keeps the second order of the elements and
@@ -11,22 +11,28 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.sparse import csr_matrix, diags_array
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import cg, splu
 
 from tusqh.errors import SimulationError
 from tusqh.grid import FloatArray, IntArray
+from tusqh.mesh.facets import HEX_FACETS
 from tusqh.mesh.volume_mesh import VolumeMesh
 from tusqh.simulate.operators import Operators, assemble
 
 #: Largest relative change of the total mass that is accepted.
 MASS_TOLERANCE = 1e-10
 
+#: Relative residual at which conjugate gradients stop.
+_CG_TOLERANCE = 1e-13
+
 Progress = Callable[[int, int], None]
+Solver = Callable[[FloatArray, FloatArray], FloatArray]
 
 
 @dataclass(frozen=True)
@@ -38,7 +44,8 @@ class DiffusionResult:
     points, cells
         The mesh the fields live on, after refinement.
     fields
-        Concentration at the points, shape (n_snapshots, n_points), kg per model unit**dim.
+        Concentration at the points, shape (n_snapshots, n_points), kg per model unit**2; in 3D
+        the density of heat (temperature times heat capacity), J per model unit**3.
     table
         One row per snapshot: step, time_s, mass_kg, mass_relative_error, concentration_min,
         concentration_max, undershoot (largest negative value over the initial maximum), unit.
@@ -73,7 +80,7 @@ def simulate_diffusion(
     radius
         Standard deviation of the Gaussian release, in m; None: twice the largest element side.
     amount
-        Released mass, in kg.
+        Released mass, in kg; in 3D released heat, in J.
     diffusivity
         D, in m^2/s.
     time_step
@@ -142,26 +149,50 @@ def march(
 ) -> FloatArray:
     """Return the fields at some steps of implicit Euler, shape (len(steps), n_dofs).
 
-    The matrix is factorised once, so that the time does not depend on the stiffness.
+    In 2D the matrix is factorised once, so that the time does not depend on the stiffness; in
+    3D, where factors fill memory, every step is solved by conjugate gradients.
     """
     mass = diags_array(lumped).tocsc()
     system = mass + time_step * diffusivity * operators.stiffness.tocsc()
+    solve = _factorised(system) if operators.nodes.shape[1] == 2 else _iterated(system.tocsr())
+    wanted, fields = set(steps), []
+    field = initial
+    for step in range(max(steps) + 1):
+        if step > 0:
+            field = solve(lumped * field, field)
+        if step in wanted:
+            fields.append(field)
+        if progress is not None:
+            progress(step, max(steps))
+    return np.array(fields)
+
+
+def _factorised(system: Any) -> Solver:
     factor = splu(
         system.tocsc(),
         permc_spec="MMD_AT_PLUS_A",
         options={"SymmetricMode": True},
         diag_pivot_thresh=0.0,
     )
-    wanted, fields = set(steps), []
-    field = initial
-    for step in range(max(steps) + 1):
-        if step > 0:
-            field = factor.solve(lumped * field)
-        if step in wanted:
-            fields.append(field)
-        if progress is not None:
-            progress(step, max(steps))
-    return np.array(fields)
+    return lambda right, guess: np.asarray(factor.solve(right))
+
+
+def _iterated(system: csr_matrix) -> Solver:
+    """Return conjugate gradients with Jacobi's preconditioner, from the last field on."""
+    inverse = diags_array(1 / system.diagonal()).tocsr()
+
+    def solve(right: FloatArray, guess: FloatArray) -> FloatArray:
+        field, failed = cg(system, right, x0=guess, rtol=_CG_TOLERANCE, M=inverse, maxiter=10_000)
+        if failed:
+            raise SimulationError(
+                f"conjugate gradients did not converge in {failed} iterations",
+                where="simulation",
+                expected=f"a relative residual of {_CG_TOLERANCE:g}",
+                remedy="use a smaller time step",
+            )
+        return np.asarray(field)
+
+    return solve
 
 
 def release(
@@ -181,12 +212,18 @@ def _component_of(operators: Operators, place: FloatArray) -> FloatArray:
 
 
 def _require_inside(mesh: VolumeMesh, place: FloatArray) -> None:
-    """Raise unless a place lies in an element of a 2D mesh (on the right of none of its sides)."""
+    """Raise unless a place lies in an element (outside of none of its facets)."""
     corners = mesh.points[mesh.cells]
-    sides = np.roll(corners, -1, axis=1) - corners
-    to_place = place - corners
-    turn = sides[..., 0] * to_place[..., 1] - sides[..., 1] * to_place[..., 0]
-    if not (turn >= 0).all(axis=1).any():
+    if mesh.dim == 2:
+        sides = np.roll(corners, -1, axis=1) - corners
+        to_place = place - corners
+        outside = sides[..., 1] * to_place[..., 0] - sides[..., 0] * to_place[..., 1]
+    else:
+        a, b, c, d = np.moveaxis(corners[:, HEX_FACETS], 2, 0)
+        normals = np.cross(c - a, d - b)  # Facets of the templates are flat.
+        outside = np.einsum("mfi,mfi->mf", normals, place - (a + b + c + d) / 4)
+    slack = 1e-9 * np.abs(outside).max(initial=0.0)
+    if not (outside <= slack).all(axis=1).any():
         nearest = mesh.points[((mesh.points - place) ** 2).sum(axis=1).argmin()]
         raise SimulationError(
             f"the source {place.tolist()} of model {mesh.name!r} lies outside its mesh",
@@ -229,7 +266,7 @@ def _tabulate(
             "concentration_min": smallest,
             "concentration_max": largest,
             "undershoot": -np.minimum(0.0, smallest) / largest[0] + 0.0,
-            "unit": f"kg/m^{dim}",
+            "unit": "kg/m^2" if dim == 2 else "J/m^3",
         }
     )
 

@@ -51,9 +51,10 @@ def write_snapshots(collection: Path, files: list[Path], result: DiffusionResult
 
 
 def read_snapshot(path: Path) -> tuple[FloatArray, IntArray, FloatArray]:
-    """Return points (n, 2), quads (m, 4) and the concentration at the points of a 2D snapshot."""
+    """Return points (n, dim), elements (m, 2**dim) and the field at the points of a snapshot."""
     import pyvista
 
     grid = pyvista.read(path)
-    cells = grid.cells.reshape(-1, 5)[:, 1:].astype(np.int64)
-    return grid.points[:, :2].copy(), cells, np.array(grid.point_data["concentration"])
+    dim = 2 if grid.celltypes[0] == _VTK_QUAD else 3
+    cells = grid.cells.reshape(-1, 2**dim + 1)[:, 1:].astype(np.int64)
+    return grid.points[:, :dim].copy(), cells, np.array(grid.point_data["concentration"])

@@ -9,7 +9,11 @@ from tusqh.geometry.files import PACKAGE, dimension_of
 from tusqh.quality.system_libraries import describe_missing
 
 ENVIRONMENT = "../../environment.yml"
-FIGURES = ["thresholds", "diagram", "antialias", "contaminant"]
+FIGURES = {
+    2: ["thresholds", "diagram", "antialias", "contaminant"],
+    3: ["panels", "diagram", "temperature"],
+}
+EXPORTS = ["mesh.mesh", "mesh.msh", "mesh.exo", "mesh.inp"]
 
 try:
     SETTINGS = load_config(
@@ -24,7 +28,8 @@ if describe_missing():
     logger.warning(describe_missing())
 
 MODELS = SETTINGS["models"]
-SWEEP = SETTINGS["sweep"]
+DIMENSION = {name: dimension_of(model["geometry"]) for name, model in MODELS.items()}
+SWEEP = {2: SETTINGS["sweep"], 3: SETTINGS["sweep_3d"]}
 SNAPSHOTS = sorted(SETTINGS["snapshots"])
 SNAPSHOT_FILES = [f"concentration_{step:05d}.vtu" for step in SNAPSHOTS]
 
@@ -45,3 +50,17 @@ def geometry_of(wildcards):
     """Return the geometry file of a model, none where it lies inside an installed package."""
     geometry = MODELS[wildcards.model]["geometry"]
     return [] if geometry.startswith(PACKAGE) else geometry
+
+
+def any_of(dimension):
+    """Return the pattern of the models of a dimension."""
+    return "|".join(m for m, d in DIMENSION.items() if d == dimension) or "(?!)"
+
+
+def figures_of_all_models():
+    """Return the figures that every model has, by its dimension."""
+    return [
+        f"results/{model}/figures/{figure}.png"
+        for model, dimension in DIMENSION.items()
+        for figure in FIGURES[dimension]
+    ]

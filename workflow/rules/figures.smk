@@ -69,3 +69,49 @@ rule figure_contaminant:
         ENVIRONMENT
     script:
         "../scripts/figure_contaminant.py"
+
+
+rule figure_panels:
+    input:
+        geometry="results/{model}/geometry.vtp",
+        meshes=expand("results/{{model}}/sweep/{threshold}.vtu", threshold=SWEEP[3]),
+        rows="results/{model}/verification.csv",
+    output:
+        figure=report("results/{model}/figures/panels.png", "../report/panels.rst", category="{model}"),
+        record="results/provenance/{model}/figure_panels.json",
+        record_how="results/provenance/{model}/figure_panels.how.json",
+    log:
+        "results/{model}/logs/figure_panels.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/figure_panels.py"
+
+
+rule figure_temperature:
+    input:
+        snapshots=expand("results/{{model}}/simulation/{file}", file=SNAPSHOT_FILES),
+        table="results/{model}/simulation/mass.csv",
+    output:
+        figure=report("results/{model}/figures/temperature.png", "../report/temperature.rst", category="{model}"),
+        record="results/provenance/{model}/figure_temperature.json",
+        record_how="results/provenance/{model}/figure_temperature.how.json",
+    log:
+        "results/{model}/logs/figure_temperature.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/figure_temperature.py"
+
+
+rule figure_pinches:
+    output:
+        figure=report("results/figures/pinches.png", "../report/pinches.rst", category="Figures"),
+        record="results/provenance/figure_pinches.json",
+        record_how="results/provenance/figure_pinches.how.json",
+    log:
+        "results/figures/logs/pinches.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/figure_pinches.py"

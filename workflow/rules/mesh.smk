@@ -18,20 +18,42 @@ rule mesh:
         "../scripts/mesh.py"
 
 
-rule sweep:
+# One rule per dimension: both verify every model, at thresholds of their own.
+for dimension in (2, 3):
+
+    rule:
+        name:
+            f"sweep_{dimension}d"
+        input:
+            fractions="results/{model}/fractions.npz",
+        output:
+            meshes=expand("results/{{model}}/sweep/{threshold}.vtu", threshold=SWEEP[dimension]),
+            rows="results/{model}/verification.csv",
+            record="results/provenance/{model}/sweep.json",
+            record_how="results/provenance/{model}/sweep.how.json",
+        wildcard_constraints:
+            model=any_of(dimension),
+        params:
+            policy=of_model("mixed_pinches", "bridges", "components", "holes", "voids"),
+            thresholds=SWEEP[dimension],
+        log:
+            "results/{model}/logs/sweep.log",
+        conda:
+            ENVIRONMENT
+        script:
+            "../scripts/sweep.py"
+
+
+rule export:
     input:
-        fractions="results/{model}/fractions.npz",
+        mesh="results/{model}/mesh.vtu",
     output:
-        meshes=expand("results/{{model}}/sweep/{threshold}.vtu", threshold=SWEEP),
-        rows="results/{model}/verification.csv",
-        record="results/provenance/{model}/sweep.json",
-        record_how="results/provenance/{model}/sweep.how.json",
-    params:
-        policy=of_model("mixed_pinches", "bridges", "components", "holes", "voids"),
-        thresholds=SWEEP,
+        meshes=expand("results/{{model}}/export/{file}", file=EXPORTS),
+        record="results/provenance/{model}/export.json",
+        record_how="results/provenance/{model}/export.how.json",
     log:
-        "results/{model}/logs/sweep.log",
+        "results/{model}/logs/export.log",
     conda:
         ENVIRONMENT
     script:
-        "../scripts/sweep.py"
+        "../scripts/export.py"

@@ -1,0 +1,66 @@
+"""A model and its meshes at eight thresholds, as in the paper's 3 x 3 figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from tusqh.figures import style
+from tusqh.figures.rendering import polydata_of, render, show, surface_of
+from tusqh.geometry.soup import Soup
+from tusqh.mesh.betti import betti_by_euler
+from tusqh.mesh.volume_mesh import VolumeMesh
+
+
+def draw_panels(
+    soup: Soup, meshes: Sequence[VolumeMesh | None], thresholds: Sequence[float], *, name: str
+) -> Figure:
+    """Return the model, then its mesh at every threshold, with the Betti numbers measured on it.
+
+    Parameters
+    ----------
+    soup
+        The geometry.
+    meshes
+        One hex mesh per threshold, None where no cell is kept.
+    thresholds
+        Volume-fraction thresholds, dimensionless.
+    name
+        The model, for the title.
+    """
+    n_rows = -(-(len(meshes) + 1) // 3)
+    figure, axes = style.new_figure(n_rows, 3, width=10.5, height=3.1 * n_rows + 0.6)
+    box = soup.bounding_box()
+    panels = axes.ravel()
+    picture = render(polydata_of(soup), box, color="#d9c9a3")
+    show(panels[0], picture, f"the model: {len(soup.triangles)} triangles, as they are")
+    for panel, mesh, threshold in zip(panels[1:], meshes, thresholds, strict=False):
+        title = f"threshold {100 * threshold:g} %: "
+        if mesh is None:
+            panel.set_axis_off()
+            panel.set_title(title + "no cell", fontsize=9)
+            continue
+        betti = betti_by_euler(mesh)
+        numbers = ", ".join(rf"$\beta_{k}$ = {number}" for k, number in enumerate(betti))
+        picture = render(
+            surface_of(mesh),
+            box,
+            scalars="rgb",
+            rgb=True,
+            show_edges=mesh.n_cells < 30_000,
+            edge_color="#406070",
+            line_width=0.5,
+        )
+        show(panel, picture, title + numbers)
+    for panel in panels[len(meshes) + 1 :]:
+        panel.set_axis_off()
+    handles = [
+        Patch(color=style.MATERIAL, label="grid cells"),
+        Patch(color=style.CONNECTING, label="connecting templates"),
+        Patch(color=style.SEPARATING, label="separating templates"),
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
+    figure.suptitle(f"{name} at rising thresholds")
+    return figure

@@ -1,0 +1,90 @@
+"""Pictures of meshes and surfaces in space, rendered off-screen by pyvista."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from tusqh.figures import style
+from tusqh.geometry.soup import Soup
+from tusqh.grid import FloatArray, IntArray
+from tusqh.mesh.volume_mesh import BRIDGE, CONNECTING, SEPARATING, VolumeMesh
+
+#: Colours by `VolumeMesh.kind`.
+_COLOURS = {SEPARATING: style.SEPARATING, CONNECTING: style.CONNECTING, BRIDGE: style.BRIDGE}
+
+#: Where the camera stands, seen from the middle of the model.
+VIEW = (1.0, -1.6, 0.9)
+
+
+def surface_of(mesh: VolumeMesh) -> Any:
+    """Return the boundary of a hex mesh as pyvista surface with its colours in ``rgb``."""
+    import pyvista
+    from matplotlib.colors import to_rgb
+
+    grid = pyvista.UnstructuredGrid({12: mesh.cells}, mesh.points)
+    colours = np.tile(to_rgb(style.MATERIAL), (mesh.n_cells, 1))
+    for kind, colour in _COLOURS.items():
+        colours[mesh.kind == kind] = to_rgb(colour)
+    grid.cell_data["rgb"] = (255 * colours).astype(np.uint8)
+    return grid.extract_surface(pass_pointid=False, pass_cellid=False, algorithm=None)
+
+
+def polydata_of(soup: Soup) -> Any:
+    """Return a soup as pyvista surface."""
+    import pyvista
+
+    n = len(soup.triangles)
+    faces = np.column_stack([np.full(n, 3), soup.triangles]).ravel()
+    return pyvista.PolyData(soup.points, faces=faces)
+
+
+def field_on(points: FloatArray, cells: IntArray, field: FloatArray, origin: FloatArray) -> Any:
+    """Return the half of a hex mesh behind a plane at `origin`, with a field at its points."""
+    import pyvista
+
+    grid = pyvista.UnstructuredGrid({12: cells}, points)
+    grid.point_data["field"] = field
+    half = grid.clip(normal=(0, -1, 0), origin=origin, crinkle=True)
+    return half.extract_surface(pass_pointid=False, pass_cellid=False, algorithm=None)
+
+
+def render(surface: Any, box: Any, *, size: tuple[int, int] = (640, 560), **look: Any) -> Any:
+    """Return a picture of a surface, shape (height, width, 3), uint8; white where it is empty.
+
+    Parameters
+    ----------
+    surface
+        A pyvista surface.
+    box
+        What the camera frames: lowest and highest corner.
+    size
+        Width and height in pixels.
+    **look
+        How it is drawn, for `pyvista.Plotter.add_mesh`.
+    """
+    import pyvista
+
+    plotter: Any = pyvista.Plotter(off_screen=True, window_size=list(size))
+    plotter.set_background("white")
+    if surface.n_cells:
+        plotter.add_mesh(surface, show_scalar_bar=False, **look)
+    low, high = np.asarray(box[0]), np.asarray(box[1])
+    centre = (low + high) / 2
+    plotter.camera_position = [centre + np.array(VIEW), centre, (0, 0, 1)]
+    bounds = np.stack([low, high], axis=1).ravel().tolist()
+    plotter.camera.parallel_projection = True
+    plotter.reset_camera(bounds=bounds)
+    plotter.camera.zoom(1.12)
+    image = plotter.screenshot(return_img=True)
+    plotter.close()
+    return image
+
+
+def show(axes: Axes, image: Any, title: str) -> None:
+    """Put a picture into a panel without axes."""
+    axes.imshow(image)
+    axes.set_axis_off()
+    axes.set_title(title, fontsize=9)

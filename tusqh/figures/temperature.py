@@ -1,0 +1,59 @@
+"""Heat spreading from a hot spot in a volume, in six panels cut open through the spot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+from tusqh.figures import style
+from tusqh.figures.rendering import field_on, render, show
+from tusqh.grid import FloatArray, IntArray
+
+#: Values are shown over this many powers of ten below the largest one released.
+_DECADES = 4
+
+
+def draw_temperature(
+    points: FloatArray,
+    cells: IntArray,
+    fields: Sequence[FloatArray],
+    table: pd.DataFrame,
+    *,
+    name: str,
+) -> Figure:
+    """Return one panel per snapshot, on one logarithmic colour scale.
+
+    Parameters
+    ----------
+    points
+        Coordinates, shape (n, 3).
+    cells
+        Hexes, shape (m, 8).
+    fields
+        Density of heat at the points for each snapshot, shape (n,), J/m^3.
+    table
+        One row per snapshot with the columns step and time_s.
+    name
+        The model, for the title.
+    """
+    figure, axes = style.new_figure(2, 3, width=10.5, height=6.4)
+    largest = float(fields[0].max())
+    smallest = largest * 10.0**-_DECADES
+    norm = LogNorm(smallest, largest)
+    origin = points[int(fields[0].argmax())]
+    box = (points.min(axis=0), points.max(axis=0))
+    for panel, field, row in zip(axes.ravel(), fields, table.itertuples(), strict=True):
+        surface = field_on(points, cells, np.log10(np.clip(field, smallest, largest)), origin)
+        limits = [np.log10(smallest), np.log10(largest)]
+        picture = render(surface, box, scalars="field", clim=limits, cmap="inferno")
+        show(panel, picture, f"step {row.step}: {float(str(row.time_s)):.3g} s")
+    mappable = ScalarMappable(norm=norm, cmap="inferno")
+    bar = figure.colorbar(mappable, ax=axes, shrink=0.6, extend="min")
+    bar.set_label("density of heat [J/m$^3$]: temperature times heat capacity")
+    figure.suptitle(f"{name}: heat from a hot spot, no flux through the boundary (cut open)")
+    return figure

@@ -1,0 +1,145 @@
+"""Meshes in the formats of MFEM, Gmsh, Exodus and Abaqus, with the sides of their boundary."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tusqh.atomic import replacing, write_text
+from tusqh.errors import MeshError
+from tusqh.grid import IntArray
+from tusqh.mesh.boundary import SIDES, Boundary, find_boundary
+from tusqh.mesh.volume_mesh import VolumeMesh
+
+#: Local facet to the number that a format gives it, in the order of `HEX_FACETS`; the sides of
+#: quads are numbered alike everywhere.
+_EXODUS_FACES = np.array([4, 2, 1, 3, 5, 6])
+_ABAQUS_FACES = np.array([6, 4, 3, 5, 1, 2])
+
+
+def write_mesh(path: Path, mesh: VolumeMesh) -> None:
+    """Write a mesh in the format of a file's suffix, whole or not at all.
+
+    ``.mesh`` (MFEM, boundary attributes), ``.msh`` (Gmsh 2.2, physical groups), ``.exo`` (Exodus,
+    side sets), ``.inp`` (Abaqus, surfaces); the sides are those of `tusqh.mesh.boundary.SIDES`.
+
+    Raises
+    ------
+    MeshError
+        The suffix names no format, or the mesh has no elements.
+    """
+    writer = {
+        ".mesh": _write_mfem,
+        ".msh": _write_gmsh,
+        ".exo": _write_exodus,
+        ".inp": _write_abaqus,
+    }
+    if path.suffix not in writer:
+        raise MeshError(
+            f"the suffix {path.suffix!r} names no format",
+            where=str(path),
+            expected="one of " + ", ".join(writer),
+            remedy="change the suffix",
+        )
+    if mesh.n_cells == 0:
+        raise MeshError(
+            "the mesh has no elements",
+            where=mesh.name,
+            expected="at least one",
+            remedy="lower the threshold",
+        )
+    writer[path.suffix](path, mesh, find_boundary(mesh))
+
+
+def _write_mfem(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
+    text = io.StringIO()
+    geometry, facet = (3, 1) if mesh.dim == 2 else (5, 3)
+    text.write(f"MFEM mesh v1.0\n\ndimension\n{mesh.dim}\n\nelements\n{mesh.n_cells}\n")
+    head = np.tile([1, geometry], (mesh.n_cells, 1))
+    np.savetxt(text, np.hstack([head, mesh.cells]), fmt="%d")
+    text.write(f"\nboundary\n{len(boundary.corners)}\n")
+    head = np.stack([boundary.attribute, np.full(len(boundary.corners), facet)], axis=1)
+    np.savetxt(text, np.hstack([head, boundary.corners]), fmt="%d")
+    text.write(f"\nvertices\n{len(mesh.points)}\n{mesh.dim}\n")
+    np.savetxt(text, mesh.points, fmt="%.17g")
+    write_text(path, text.getvalue())
+
+
+def _write_gmsh(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
+    import meshio
+
+    solid = np.full(mesh.n_cells, len(SIDES) + 1)
+    groups = [boundary.attribute, solid]
+    names = {name: np.array([k, mesh.dim - 1]) for k, name in enumerate(SIDES, start=1)}
+    out = _to_meshio(
+        mesh,
+        [("line" if mesh.dim == 2 else "quad", boundary.corners)],
+        cell_data={"gmsh:physical": groups, "gmsh:geometrical": groups},
+        field_data={**names, "solid": np.array([len(SIDES) + 1, mesh.dim])},
+    )
+    with replacing(path) as temporary:
+        meshio.gmsh.write(temporary, out, fmt_version="2.2", binary=True)
+
+
+def _write_exodus(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
+    import meshio
+    import netCDF4
+
+    faces = _numbers(mesh.dim, boundary.local, _EXODUS_FACES)
+    present = np.unique(boundary.attribute)
+    with replacing(path) as temporary:
+        meshio.exodus.write(temporary, _to_meshio(mesh, []))
+        with netCDF4.Dataset(temporary, "a") as file:
+            file.createDimension("num_side_sets", len(present))
+            width = file.dimensions["len_string"].size
+            file.createVariable("ss_status", "i4", ("num_side_sets",))[:] = 1
+            ids = file.createVariable("ss_prop1", "i4", ("num_side_sets",))
+            ids.setncattr("name", "ID")
+            ids[:] = present
+            names = file.createVariable("ss_names", "S1", ("num_side_sets", "len_string"))
+            for k, attribute in enumerate(present, start=1):
+                members = boundary.attribute == attribute
+                file.createDimension(f"num_side_ss{k}", int(members.sum()))
+                elements = file.createVariable(f"elem_ss{k}", "i4", (f"num_side_ss{k}",))
+                elements[:] = boundary.element[members] + 1
+                sides = file.createVariable(f"side_ss{k}", "i4", (f"num_side_ss{k}",))
+                sides[:] = faces[members]
+                label = SIDES[attribute - 1].ljust(width, "\0").encode()
+                names[k - 1] = np.frombuffer(label, dtype="S1")
+
+
+def _write_abaqus(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
+    faces = _numbers(mesh.dim, boundary.local, _ABAQUS_FACES)
+    text = io.StringIO()
+    text.write(f"*HEADING\n{mesh.name}\n*NODE\n")
+    number = np.arange(1, len(mesh.points) + 1)
+    points = np.zeros((len(mesh.points), 3))
+    points[:, : mesh.dim] = mesh.points
+    np.savetxt(text, np.column_stack([number, points]), fmt=["%d"] + 3 * ["%.17g"], delimiter=", ")
+    kind = "CPS4" if mesh.dim == 2 else "C3D8"
+    text.write(f"*ELEMENT, TYPE={kind}, ELSET=solid\n")
+    number = np.arange(1, mesh.n_cells + 1)
+    np.savetxt(text, np.column_stack([number, mesh.cells + 1]), fmt="%d", delimiter=", ")
+    for attribute in np.unique(boundary.attribute):
+        members = boundary.attribute == attribute
+        text.write(f"*SURFACE, TYPE=ELEMENT, NAME={SIDES[attribute - 1]}\n")
+        rows = np.column_stack([boundary.element[members] + 1, faces[members]])
+        np.savetxt(text, rows, fmt="%d, S%d")
+    write_text(path, text.getvalue())
+
+
+def _numbers(dim: int, local: IntArray, of_hex: IntArray) -> IntArray:
+    """Return the numbers that a format gives to local facets."""
+    return np.asarray(local + 1 if dim == 2 else of_hex[local], dtype=np.int64)
+
+
+def _to_meshio(mesh: VolumeMesh, facets: list[tuple[str, IntArray]], **data: Any) -> Any:
+    import meshio
+
+    points = np.zeros((len(mesh.points), 3))
+    points[:, : mesh.dim] = mesh.points
+    cells = [*facets, ("quad" if mesh.dim == 2 else "hexahedron", mesh.cells)]
+    return meshio.Mesh(points, cells, **data)

@@ -1,0 +1,11 @@
+from pathlib import Path
+
+from tusqh.mesh.export import read_vtu
+from tusqh.mesh.formats import write_mesh
+from tusqh.provenance.record import recorded
+
+with recorded(snakemake) as log:
+    mesh = read_vtu(Path(snakemake.input.mesh), name=snakemake.wildcards.model)
+    for path in snakemake.output.meshes:
+        write_mesh(Path(path), mesh)
+        log.info("%s: %d bytes", path, Path(path).stat().st_size)

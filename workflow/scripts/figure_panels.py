@@ -1,0 +1,23 @@
+from pathlib import Path
+
+import pandas as pd
+
+from tusqh.figures import style
+from tusqh.figures.panels import draw_panels
+from tusqh.geometry.files import load_geometry
+from tusqh.mesh.export import read_vtu
+from tusqh.provenance.record import recorded
+
+with recorded(snakemake) as log:
+    rows = pd.read_csv(snakemake.input.rows)
+    meshes = [
+        read_vtu(Path(path)) if n_elements else None
+        for path, n_elements in zip(snakemake.input.meshes, rows["elements"], strict=True)
+    ]
+    figure = draw_panels(
+        load_geometry(Path(snakemake.input.geometry)),
+        meshes,
+        rows["threshold"].tolist(),
+        name=snakemake.wildcards.model,
+    )
+    style.save(figure, Path(snakemake.output.figure))
