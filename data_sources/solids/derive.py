@@ -1,8 +1,8 @@
 """Make the analytic solids and the bearing: ``python data_sources/solids/derive.py``.
 
 The bearing follows the outer dimensions of a deep groove ball bearing 608 (ISO 15: bore 8 mm,
-outside diameter 22 mm, width 7 mm).  Its parts are closed surfaces of their own that touch and
-overlap, as assemblies do that nobody repaired.
+outside diameter 22 mm, width 7 mm).  Its parts are closed surfaces of their own: the balls
+overlap the cage and miss the rings by a tenth of a millimetre, as in assemblies nobody repaired.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def bearing() -> list[trimesh.Trimesh]:
         ring(18.6, 22.0, 7.0, 2.0, outer=True),
     ]
     for k in range(7):
-        ball = trimesh.creation.icosphere(subdivisions=3, radius=2.05)
+        ball = trimesh.creation.icosphere(subdivisions=3, radius=1.9)
         angle = 2 * np.pi * k / 7
         ball.apply_translation([7.5 * np.cos(angle), 7.5 * np.sin(angle), 0.0])
         parts.append(ball)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -55,8 +56,7 @@ def draw_diagram(
             points["y"],
             s=22 * np.sqrt(points["size"]),
             marker=_MARKERS[k],
-            facecolors=["none" if hollow else colour for hollow in is_hollow],
-            alpha=0.75,
+            facecolors=[(0, 0, 0, 0) if hollow else to_rgba(colour, 0.75) for hollow in is_hollow],
             linewidths=np.where(is_hollow, 1.2, 0.4),
             edgecolors=[colour if hollow else "white" for hollow in is_hollow],
         )

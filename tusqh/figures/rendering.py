@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -72,12 +73,17 @@ def render(surface: Any, box: Any, *, size: tuple[int, int] = (640, 560), **look
     if surface.n_cells:
         plotter.add_mesh(surface, show_scalar_bar=False, **look)
     low, high = np.asarray(box[0]), np.asarray(box[1])
-    centre = (low + high) / 2
-    plotter.camera_position = [centre + np.array(VIEW), centre, (0, 0, 1)]
-    bounds = np.stack([low, high], axis=1).ravel().tolist()
+    centre, extent = (low + high) / 2, float(np.linalg.norm(high - low))
+    towards = np.array(VIEW) / np.linalg.norm(VIEW)
+    right = np.cross((0.0, 0.0, 1.0), towards)
+    right /= np.linalg.norm(right)
+    # Just as large as the box, seen from there, needs.
+    corners = np.array(list(itertools.product(*np.stack([low, high], axis=1)))) - centre
+    wide, tall = (np.abs(corners @ axis).max() for axis in (right, np.cross(towards, right)))
+    plotter.camera_position = [centre + 3 * extent * towards, centre, (0, 0, 1)]
     plotter.camera.parallel_projection = True
-    plotter.reset_camera(bounds=bounds)
-    plotter.camera.zoom(1.12)
+    plotter.camera.parallel_scale = 1.04 * max(tall, wide * size[1] / size[0])
+    plotter.renderer.ResetCameraClippingRange()
     image = plotter.screenshot(return_img=True)
     plotter.close()
     return image

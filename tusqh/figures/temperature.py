@@ -50,7 +50,7 @@ def draw_temperature(
     for panel, field, row in zip(axes.ravel(), fields, table.itertuples(), strict=True):
         surface = field_on(points, cells, np.log10(np.clip(field, smallest, largest)), origin)
         limits = [np.log10(smallest), np.log10(largest)]
-        picture = render(surface, box, scalars="field", clim=limits, cmap="inferno")
+        picture = render(surface, box, scalars="field", clim=limits, cmap="inferno", lighting=False)
         show(panel, picture, f"step {row.step}: {float(str(row.time_s)):.3g} s")
     mappable = ScalarMappable(norm=norm, cmap="inferno")
     bar = figure.colorbar(mappable, ax=axes, shrink=0.6, extend="min")

@@ -96,6 +96,8 @@ def count_edges(cells: IntArray) -> int:
     """
     if len(cells) == 0:
         return 0
-    ends = [cells[:, [a, b]] for a, b in HEX_EDGES.tolist()]
-    edges = np.sort(np.concatenate(ends), axis=1)
-    return len(np.unique(edges[:, 0] * (int(edges.max()) + 1) + edges[:, 1]))
+    n = int(cells.max()) + 1
+    ends = [(cells[:, a], cells[:, b]) for a, b in HEX_EDGES.tolist()]
+    keys = np.concatenate([np.minimum(a, b) * n + np.maximum(a, b) for a, b in ends])
+    keys.sort()
+    return 1 + int(np.count_nonzero(keys[1:] != keys[:-1]))

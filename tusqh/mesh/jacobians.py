@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numba
 import numpy as np
 
 from tusqh.grid import FloatArray, IntArray
@@ -41,21 +42,39 @@ def corner_jacobians(points: FloatArray, cells: IntArray) -> tuple[FloatArray, F
     >>> jacobian.tolist(), float(scaled.min().round(6))
     ([[4.0, 4.0, 2.0, 2.0]], 0.707107)
     """
-    neighbours = QUAD_NEIGHBOURS if cells.shape[1] == 4 else HEX_NEIGHBOURS
-    corners = points[cells]
-    edges = corners[:, neighbours] - corners[:, :, None]
-    jacobian = _determinant(edges)
+    if cells.shape[1] == 8:
+        jacobian, lengths = np.empty(cells.shape), np.empty(cells.shape)
+        _hex_corners(points, cells, HEX_NEIGHBOURS, jacobian, lengths)
+    else:
+        corners = points[cells]
+        a, b = np.moveaxis(corners[:, QUAD_NEIGHBOURS] - corners[:, :, None], 2, 0)
+        jacobian = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+        lengths = np.linalg.norm(a, axis=-1) * np.linalg.norm(b, axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        lengths = np.linalg.norm(edges, axis=-1).prod(axis=-1)
         return jacobian, jacobian / lengths
 
 
-def _determinant(edges: FloatArray) -> FloatArray:
-    """Return the determinants of matrices of shape (..., 2, 2) or (..., 3, 3)."""
-    a, b = edges[..., 0, :], edges[..., 1, :]
-    if edges.shape[-1] == 2:
-        return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
-    return np.asarray((np.cross(a, b) * edges[..., 2, :]).sum(axis=-1))
+@numba.njit(cache=True)
+def _hex_corners(points, cells, neighbours, jacobian, lengths):  # type: ignore[no-untyped-def]
+    """Fill in the determinants of the edges that leave each corner and their lengths' product."""
+    edge = np.empty((3, 3))
+    for cell in range(len(cells)):
+        for corner in range(8):
+            at = cells[cell, corner]
+            product = 1.0
+            for k in range(3):
+                to = cells[cell, neighbours[corner, k]]
+                square = 0.0
+                for axis in range(3):
+                    edge[k, axis] = points[to, axis] - points[at, axis]
+                    square += edge[k, axis] ** 2
+                product *= np.sqrt(square)
+            jacobian[cell, corner] = (
+                (edge[0, 1] * edge[1, 2] - edge[0, 2] * edge[1, 1]) * edge[2, 0]
+                + (edge[0, 2] * edge[1, 0] - edge[0, 0] * edge[1, 2]) * edge[2, 1]
+                + (edge[0, 0] * edge[1, 1] - edge[0, 1] * edge[1, 0]) * edge[2, 2]
+            )
+            lengths[cell, corner] = product
 
 
 def element_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
