@@ -74,8 +74,15 @@ def _read_by_trimesh(path: Path) -> list[Surface]:
     scene: Any = trimesh.load_scene(path, process=False)
     surfaces = []
     for mesh in scene.dump(concatenate=False):
-        faces = np.asarray(getattr(mesh, "faces", np.empty((0, 3))), dtype=np.int64)
-        surfaces.append((np.asarray(mesh.vertices, dtype=np.float64), faces))
+        faces = np.asarray(getattr(mesh, "faces", ()), dtype=np.int64).reshape(-1, 3)
+        points = np.asarray(mesh.vertices, dtype=np.float64).reshape(-1, 3)
+        if (
+            len(scene.geometry) > 1
+            and faces.size
+            and not 0 <= faces.min() <= faces.max() < len(points)
+        ):
+            raise ValueError(f"a corner is out of the range 0 .. {len(points) - 1} of its part")
+        surfaces.append((points, faces))
     return surfaces
 
 
