@@ -81,7 +81,7 @@ def verification_row(mesh: VolumeMesh, cells: CellSet, *, grid: str) -> dict[str
 
 
 def summary_row(
-    mesh_facts: dict[str, Any], verdict: pd.DataFrame, mass: pd.DataFrame
+    mesh_facts: dict[str, Any], verdict: pd.DataFrame, mass: pd.DataFrame, defects: pd.DataFrame
 ) -> dict[str, Any]:
     """Return one row of the summary over all models.
 
@@ -93,7 +93,14 @@ def summary_row(
         The checks of the mesh.
     mass
         The table of the simulation's snapshots.
+    defects
+        The defects of the geometry; where a surface is balanced its signed volume is exact.
     """
+    count = dict(zip(defects["defect"], defects["count"], strict=True))
+    winding_over_exact = float("nan")
+    if count.get("unbalanced_edges") == 0:
+        exact = float(defects.loc[defects["defect"] == "signed_volume", "measure"].iloc[0])
+        winding_over_exact = mesh_facts["winding_volume"] / abs(exact)
     found = dict(zip(verdict["name"], verdict["found"], strict=True))
     return {
         "model": mesh_facts["model"],
@@ -110,6 +117,8 @@ def summary_row(
         "bridges": mesh_facts["bridges"],
         "removed_components": mesh_facts["removed_components"],
         "filled_holes": mesh_facts["filled_holes"],
+        "volume_over_winding": mesh_facts["volume"] / mesh_facts["winding_volume"],
+        "winding_over_exact": winding_over_exact,
         "min_scaled_jacobian": float(found.get("smallest scaled Jacobian", "nan")),
         "mass_relative_error": float(mass["mass_relative_error"].abs().max()),
         "verdict": overall(verdict),

@@ -19,7 +19,9 @@ from tusqh.grid import BackgroundGrid, BoolArray, IntArray
 from tusqh.mesh.betti import betti_by_euler
 from tusqh.mesh.checks import find_non_manifold_points
 from tusqh.mesh.facets import find_facets
+from tusqh.mesh.jacobians import element_volumes
 from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.sampling.fractions import VolumeFractions
 from tusqh.topology.betti_numbers import BettiNumbers
 
 #: More rounds of closing than ever seen (3) mean that the scheme itself is broken.
@@ -182,9 +184,9 @@ def resolve(
     )
 
 
-def describe_mesh(resolved: Resolved, grid: BackgroundGrid) -> dict[str, Any]:
+def describe_mesh(resolved: Resolved, fractions: VolumeFractions) -> dict[str, Any]:
     """Return the facts about a mesh that tables quote, as plain numbers for JSON."""
-    mesh, cells = resolved.mesh, resolved.cells
+    mesh, cells, grid = resolved.mesh, resolved.cells, fractions.grid
     n_removed = cells.count_dropped("component")
     return {
         "model": mesh.name,
@@ -201,6 +203,8 @@ def describe_mesh(resolved: Resolved, grid: BackgroundGrid) -> dict[str, Any]:
         "bridges": cells.n_bridges,
         "removed_components": n_removed,
         "filled_holes": len(cells.dropped) - n_removed,
+        "volume": float(element_volumes(mesh.points, mesh.cells).sum()),
+        "winding_volume": fractions.volume(),
         "closing_rounds": resolved.closing_rounds,
         "betti_predicted": list(cells.predicted),
         "betti_measured": list(betti_by_euler(mesh)),

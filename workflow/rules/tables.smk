@@ -3,6 +3,7 @@ rule tables:
         facts=expand("results/{model}/mesh.json", model=MODELS),
         verdicts=expand("results/{model}/verdict.csv", model=MODELS),
         masses=expand("results/{model}/simulation/mass.csv", model=MODELS),
+        defects=expand("results/{model}/defects.csv", model=MODELS),
         verifications=expand("results/{model}/verification.csv", model=MODELS),
     output:
         summary=report("results/tables/summary.csv", "../report/summary.rst", category="Tables"),

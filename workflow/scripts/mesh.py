@@ -24,7 +24,7 @@ with recorded(snakemake) as log:
     facts = {
         "threshold": selection.threshold,
         "margin": selection.margin,
-        **describe_mesh(resolved, fractions.grid),
+        **describe_mesh(resolved, fractions),
     }
     log.info("%(elements)d elements, Betti numbers %(betti_measured)s", facts)
     in_cell = fractions.cells.ravel()[resolved.mesh.grid_cell]

@@ -7,12 +7,11 @@ from tusqh.provenance.record import recorded
 from tusqh.tables import summary_row, write_csv, write_markdown
 
 with recorded(snakemake) as log:
-    files = zip(
-        snakemake.input.facts, snakemake.input.verdicts, snakemake.input.masses, strict=True
-    )
+    kinds = ("facts", "verdicts", "masses", "defects")
+    files = zip(*(snakemake.input[kind] for kind in kinds), strict=True)
     summary = pd.DataFrame(
-        summary_row(json.loads(Path(facts).read_text()), pd.read_csv(verdict), pd.read_csv(mass))
-        for facts, verdict, mass in files
+        summary_row(json.loads(Path(facts).read_text()), *map(pd.read_csv, tables))
+        for facts, *tables in files
     )
     verification = pd.concat(map(pd.read_csv, snakemake.input.verifications), ignore_index=True)
     log.info(
