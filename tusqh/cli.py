@@ -34,11 +34,13 @@ def inspect(
     from tusqh.geometry.files import read_geometry
     from tusqh.geometry.outline import Outline
     from tusqh.geometry.surface_defects import describe_surface_defects
+    from tusqh.sampling.crossings import describe_winding
 
     found = read_geometry(geometry)
-    table = (
-        describe_defects(found) if isinstance(found, Outline) else describe_surface_defects(found)
-    )
+    if isinstance(found, Outline):
+        table = describe_defects(found)
+    else:
+        table = pd.concat([describe_surface_defects(found), describe_winding(found)])
     _show(table, title=f"Defects of {geometry.name}")
 
 

@@ -12,6 +12,7 @@ from scipy import ndimage
 from tusqh.antialias.bridges import REJECTED, Bridge
 from tusqh.antialias.cells import CellSet
 from tusqh.antialias.clusters import CONNECT, NONE, Decisions
+from tusqh.antialias.pinches import find_pinches
 from tusqh.antialias.templates_2d import emit_quads
 from tusqh.antialias.templates_3d import emit_hexes
 from tusqh.errors import MeshError
@@ -20,7 +21,7 @@ from tusqh.mesh.betti import betti_by_euler
 from tusqh.mesh.checks import find_non_manifold_points
 from tusqh.mesh.facets import find_facets
 from tusqh.mesh.jacobians import element_volumes
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.mesh.volume_mesh import GRID_CELL, VolumeMesh
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.topology.betti_numbers import BettiNumbers
 
@@ -160,12 +161,13 @@ def resolve(
     """
     at_vertex = decisions.at_vertex.copy()
     is_freed = np.zeros(at_vertex.shape, dtype=bool)
+    is_pinch = find_pinches(kept).ravel()
     for n_rounds in range(MAX_CLOSING_ROUNDS + 1):
         if grid.dim == 2:
             mesh, grid_vertex = emit_quads(kept, at_vertex, grid, bridges=bridges, name=name)
         else:
             mesh, grid_vertex = emit_hexes(kept, at_vertex, grid, is_freed=is_freed, name=name)
-        bad = find_non_manifold_points(find_facets(mesh.cells))
+        bad = _find_bad_points(mesh, grid_vertex, is_pinch)
         if len(bad) == 0:
             return mesh, n_rounds
         squeezed = grid_vertex[bad][grid_vertex[bad] >= 0]
@@ -182,6 +184,20 @@ def resolve(
         expected="a manifold mesh",
         remedy="this is an error in tusqh: please report it with the fractions file",
     )
+
+
+def _find_bad_points(mesh: VolumeMesh, grid_vertex: IntArray, is_pinch: BoolArray) -> IntArray:
+    """Return the points at which the boundary is no manifold.
+
+    Only pinches and points of templates can be such, so only elements around them are looked at.
+    """
+    suspect = np.zeros(len(mesh.points), dtype=bool)
+    suspect[mesh.cells[mesh.kind != GRID_CELL].ravel()] = True
+    of_grid = grid_vertex >= 0
+    suspect[of_grid] |= is_pinch[grid_vertex[of_grid]]
+    near = mesh.cells[suspect[mesh.cells].any(axis=1)]
+    bad = find_non_manifold_points(find_facets(near))
+    return bad[suspect[bad]]
 
 
 def describe_mesh(resolved: Resolved, fractions: VolumeFractions) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numba
 import numpy as np
+import pandas as pd
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -77,6 +78,30 @@ def close_soup(soup: Soup) -> tuple[Chain, Chain]:
     cap = np.stack([centre, points[ends[:, 0]], points[ends[:, 1]]], axis=1)
     cycle = Chain(np.concatenate([corners, cap]), np.concatenate([ones, -net]))
     return cycle, Chain(cap, net)
+
+
+def describe_winding(soup: Soup, *, n: int = 32) -> pd.DataFrame:
+    """Return the range of the winding number on n^3 samples, as rows of the table of defects.
+
+    `count` says how many samples lie below 0 or above 1, where parts are inside out or overlap.
+
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> faces = np.array([[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 2, 1]])
+    >>> table = describe_winding(Soup(points, faces, np.zeros(4, dtype=np.int64)))
+    >>> table["measure"].tolist()
+    [0.0, 1.0]
+    """
+    low, high = (np.array(corner) for corner in soup.bounding_box())
+    axes = [a + (b - a) * (np.arange(n) + 0.5) / n for a, b in zip(low, high, strict=True)]
+    winding = np.round(wind_on_lattice(soup, axes), 12)
+    what = f"winding number over {n}^3 samples of the bounding box; samples"
+    rows = [
+        ("winding_number_min", int((winding < 0).sum()), winding.min(), f"least {what} below 0"),
+        ("winding_number_max", int((winding > 1).sum()), winding.max(), f"greatest {what} above 1"),
+    ]
+    table = pd.DataFrame(rows, columns=["defect", "count", "measure", "explanation"])
+    table.insert(3, "unit", "-")
+    return table
 
 
 def wind_on_lattice(soup: Soup, axes: list[FloatArray]) -> FloatArray:
