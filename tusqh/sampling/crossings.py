@@ -80,6 +80,12 @@ def close_soup(soup: Soup) -> tuple[Chain, Chain]:
     return cycle, Chain(cap, net)
 
 
+def has_small_cap(soup: Soup, axes: list[FloatArray]) -> bool:
+    """Return whether the cap's solid angles can be added exactly in reasonable time."""
+    n_samples = float(np.prod([len(axis) for axis in axes]))
+    return len(close_soup(soup)[1].corners) * n_samples <= EXACT_ANGLES
+
+
 def describe_winding(soup: Soup, *, n: int = 32) -> pd.DataFrame:
     """Return the range of the winding number on n^3 samples, as rows of the table of defects.
 

@@ -25,7 +25,8 @@ from tusqh.errors import SamplingError
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BackgroundGrid, FloatArray
-from tusqh.sampling.crossings import wind_on_lattice
+from tusqh.sampling.blocks import average_blocks, block_means
+from tusqh.sampling.crossings import has_small_cap, wind_on_lattice
 from tusqh.sampling.winding_number import winding_number
 
 Box = tuple[tuple[float, ...], tuple[float, ...]]
@@ -139,6 +140,48 @@ def sample_fractions(
         for o, n in zip(grid.origin, grid.shape, strict=True)
     ]
     signs = {"as-is": (1,), "flip": (-1,), "auto": (1, -1)}[orientation]
+    if isinstance(geometry, Soup) and rule == "average" and has_small_cap(geometry, axes):
+        blocks, total = _blocks_by_runs(geometry, axes, samples, domain, window, signs)
+        is_nonzero = abs(total) > RESOLUTION
+        if progress is not None:
+            progress(1, 1)
+    else:
+        blocks, total, is_nonzero = _blocks_by_samples(
+            geometry, axes, samples, domain, window, rule, signs, progress
+        )
+    if not is_nonzero:
+        raise SamplingError(
+            "the winding number is zero everywhere, so the geometry has no inside",
+            where=geometry.name,
+            expected="a geometry that encloses something, each border walked once",
+            remedy="remove one of the two copies if every border is there twice in opposite "
+            "directions (double-sided sheets)",
+        )
+    chosen = -1 if -1 in signs and (orientation == "flip" or total < 0) else 1
+    values = _average(blocks[chosen])
+    fractions = VolumeFractions(grid=grid, samples=samples, values=values)
+    if not (fractions.cells > 0).any():
+        raise SamplingError(
+            f"no cell of the {grid.label} grid has a positive fraction of the {domain} of the "
+            "geometry",
+            where=geometry.name,
+            expected="some material in the grid",
+            remedy="use the other `domain`, `orientation: auto`, a finer grid or another window",
+        )
+    return fractions
+
+
+def _blocks_by_samples(
+    geometry: Geometry,
+    axes: list[FloatArray],
+    samples: int,
+    domain: Domain,
+    window: Box | None,
+    rule: Rule,
+    signs: tuple[int, ...],
+    progress: Callable[[int, int], None] | None,
+) -> tuple[dict[int, FloatArray], float, bool]:
+    """Return half-block means by sign, the sum of all winding numbers, and if any is not zero."""
     blocks: dict[int, list[FloatArray]] = {sign: [] for sign in signs}
     total, is_nonzero = 0.0, False
     for start, winding in _winding_by_slabs(geometry, axes, samples, progress):
@@ -153,26 +196,32 @@ def sample_fractions(
                 for axis, (x, low, high) in enumerate(zip(slab_axes, *window, strict=True)):
                     values[(slice(None),) * axis + ((x < low) | (x > high),)] = 0.0
             blocks[sign].append(_half_block_means(values, samples))
-    if not is_nonzero:
-        raise SamplingError(
-            "the winding number is zero everywhere, so the geometry has no inside",
-            where=geometry.name,
-            expected="a geometry that encloses something, each border walked once",
-            remedy="remove one of the two copies if every border is there twice in opposite "
-            "directions (double-sided sheets)",
-        )
-    chosen = -1 if -1 in signs and (orientation == "flip" or total < 0) else 1
-    values = _average(np.concatenate(blocks[chosen]))
-    fractions = VolumeFractions(grid=grid, samples=samples, values=values)
-    if not (fractions.cells > 0).any():
-        raise SamplingError(
-            f"no cell of the {grid.label} grid has a positive fraction of the {domain} of the "
-            "geometry",
-            where=geometry.name,
-            expected="some material in the grid",
-            remedy="use the other `domain`, `orientation: auto`, a finer grid or another window",
-        )
-    return fractions
+    return {sign: np.concatenate(of_sign) for sign, of_sign in blocks.items()}, total, is_nonzero
+
+
+def _blocks_by_runs(
+    soup: Soup,
+    axes: list[FloatArray],
+    samples: int,
+    domain: Domain,
+    window: Box | None,
+    signs: tuple[int, ...],
+) -> tuple[dict[int, FloatArray], float]:
+    """Return half-block means by sign and the sum of their winding numbers, without samples."""
+    half = samples // 2
+    low, high = window or ((-np.inf,) * 3, (np.inf,) * 3)
+    first = np.array([np.searchsorted(a, x, side="left") for a, x in zip(axes, low, strict=True)])
+    last = np.array([np.searchsorted(a, x, side="right") for a, x in zip(axes, high, strict=True)])
+    means = block_means(soup, axes, half, first, last)
+    total = float(means.sum())
+    if domain == "inside":
+        return {sign: sign * means for sign in signs}, total
+    counts = [
+        ((np.arange(len(a)) >= f) & (np.arange(len(a)) < t)).reshape(-1, half).mean(axis=1)
+        for a, f, t in zip(axes, first, last, strict=True)
+    ]
+    whole = counts[0][:, None, None] * counts[1][:, None] * counts[2]
+    return {sign: whole - sign * means for sign in signs}, total
 
 
 def round_fractions(values: FloatArray) -> FloatArray:
@@ -232,11 +281,12 @@ def _half_block_means(values: FloatArray, samples: int) -> FloatArray:
 
 def _average(blocks: FloatArray) -> FloatArray:
     """Return the rounded fractions on the doubled grid from half-block means."""
+    if blocks.ndim == 3:
+        return np.asarray(average_blocks(blocks, RESOLUTION))
     padded = np.pad(blocks, 1)
-    for axis in range(padded.ndim):
-        lower, upper = (np.moveaxis(padded, axis, 0)[part] for part in (slice(-1), slice(1, None)))
-        padded = np.moveaxis((lower + upper) / 2, 0, axis)
-    return round_fractions(np.ascontiguousarray(padded))
+    low, high = slice(None, -1), slice(1, None)
+    quarters = [padded[x, y] for x in (low, high) for y in (low, high)]
+    return round_fractions(np.asarray(sum(quarters)) / 4)
 
 
 def _check_samples(samples: Any) -> None:
