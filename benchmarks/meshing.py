@@ -19,10 +19,10 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
 from tusqh.geometry.files import locate, read_geometry
 from tusqh.grid import BackgroundGrid
-from tusqh.mesh.betti import betti_by_boundary, betti_by_euler
-from tusqh.mesh.checks import check_mesh
-from tusqh.mesh.jacobians import corner_jacobians
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
+from tusqh.meshes.checks import check_mesh
+from tusqh.meshes.jacobians import corner_jacobians
+from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.sampling.fractions import VolumeFractions, round_fractions, sample_fractions
 from tusqh.sampling.layout import lay_grid
 from tusqh.tables import write_csv

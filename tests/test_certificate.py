@@ -12,10 +12,10 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.policy import Criteria, Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.certificate import FILE_NAME, check_certificate, make_certificate, schema
-from tusqh.cli import app
+from tusqh.cli.app import app
 from tusqh.errors import MeshError
-from tusqh.mesh.export import read_vtu, write_vtu
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.export import read_vtu, write_vtu
+from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.provenance.hashing import canonical_json
 from tusqh.sampling.io import save_fractions
 from tusqh.threshold.plateaus import predict_plateaus

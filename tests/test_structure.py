@@ -16,7 +16,7 @@ from packaging.version import Version
 from tusqh.geometry.files import PACKAGE, locate
 
 LAYERS = [
-    *("errors", "atomic", "progress", "grid", "geometry", "sampling", "topology", "mesh"),
+    *("errors", "atomic", "progress", "grid", "geometry", "sampling", "topology", "meshes"),
     *("antialias", "threshold", "simulate", "quality", "figures", "tables", "provenance"),
     *("certificate", "config", "cli", "__main__"),
 ]

@@ -1,5 +1,5 @@
 """Run the command line as ``python -m tusqh``."""
 
-from tusqh.cli import main
+from tusqh.cli.app import main
 
 main()

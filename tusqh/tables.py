@@ -9,10 +9,10 @@ import pandas as pd
 
 from tusqh.antialias.cells import CellSet
 from tusqh.atomic import write_text
-from tusqh.mesh.betti import betti_by_boundary, betti_by_euler
-from tusqh.mesh.checks import check_mesh
-from tusqh.mesh.jacobians import corner_jacobians
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
+from tusqh.meshes.checks import check_mesh
+from tusqh.meshes.jacobians import corner_jacobians
+from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.quality.verdict import SCALED_JACOBIAN, overall
 
 #: Required columns of results/tables/verification.csv.

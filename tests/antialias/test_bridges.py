@@ -11,10 +11,10 @@ from tusqh.antialias.policy import Criteria, Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.geometry.read import read_outline
 from tusqh.grid import BackgroundGrid
-from tusqh.mesh.betti import betti_by_boundary, betti_by_euler
-from tusqh.mesh.checks import check_mesh
-from tusqh.mesh.jacobians import corner_jacobians, element_volumes
-from tusqh.mesh.volume_mesh import BRIDGE
+from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
+from tusqh.meshes.checks import check_mesh
+from tusqh.meshes.jacobians import corner_jacobians, element_volumes
+from tusqh.meshes.volume_mesh import BRIDGE
 from tusqh.sampling.fractions import VolumeFractions, sample_fractions
 from tusqh.sampling.layout import lay_grid
 

@@ -6,8 +6,8 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.policy import Criteria, Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.errors import TopologyError
-from tusqh.mesh.betti import betti_by_boundary, betti_by_euler
-from tusqh.mesh.checks import check_mesh
+from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
+from tusqh.meshes.checks import check_mesh
 
 
 def cells_at(fractions, threshold, **criteria):

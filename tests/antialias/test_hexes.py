@@ -10,9 +10,9 @@ from tusqh.antialias.clusters import CONNECT, SEPARATE, decide_by_vote
 from tusqh.antialias.pinches import find_pinch_edges, find_pinches, pinch_table
 from tusqh.antialias.resolve import resolve
 from tusqh.grid import BackgroundGrid
-from tusqh.mesh.betti import betti_by_boundary, betti_by_euler
-from tusqh.mesh.checks import check_mesh
-from tusqh.mesh.jacobians import corner_jacobians, element_volumes
+from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
+from tusqh.meshes.checks import check_mesh
+from tusqh.meshes.jacobians import corner_jacobians, element_volumes
 from tusqh.topology.effective import effective_betti
 
 #: The bound of the algorithm notes on cubic cells.

@@ -10,8 +10,8 @@ from tusqh.antialias.clusters import CONNECT, SEPARATE, decide_by_vote
 from tusqh.antialias.pinches import find_pinches, neighbourhood_codes, pinch_table
 from tusqh.antialias.resolve import resolve
 from tusqh.grid import BackgroundGrid
-from tusqh.mesh.checks import check_mesh
-from tusqh.mesh.jacobians import corner_jacobians
+from tusqh.meshes.checks import check_mesh
+from tusqh.meshes.jacobians import corner_jacobians
 from tusqh.topology.effective import effective_betti
 
 

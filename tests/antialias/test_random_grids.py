@@ -10,9 +10,9 @@ from tusqh.antialias.pinches import find_pinches
 from tusqh.antialias.resolve import resolve
 from tusqh.errors import MeshError
 from tusqh.grid import BackgroundGrid
-from tusqh.mesh.betti import betti_by_boundary, betti_by_euler
-from tusqh.mesh.checks import check_mesh
-from tusqh.mesh.jacobians import corner_jacobians
+from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
+from tusqh.meshes.checks import check_mesh
+from tusqh.meshes.jacobians import corner_jacobians
 from tusqh.topology.effective import effective_betti
 
 N_GRIDS = 2500

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from tusqh.mesh.jacobians import corner_jacobians
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.jacobians import corner_jacobians
+from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.quality import system_libraries
 from tusqh.quality.elements import element_metrics, summarise_metrics
 from tusqh.quality.surface import surface_measures

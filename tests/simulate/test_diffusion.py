@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tusqh.errors import SimulationError
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.simulate.diffusion import lump, march, simulate_diffusion
 from tusqh.simulate.operators import assemble
 from tusqh.simulate.snapshots import read_snapshot, write_snapshots

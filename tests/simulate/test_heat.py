@@ -7,7 +7,7 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
 from tusqh.errors import SimulationError
 from tusqh.geometry.files import read_geometry
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.layout import lay_grid
 from tusqh.simulate.diffusion import lump, march, simulate_diffusion

@@ -6,7 +6,7 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.policy import Criteria, Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.errors import TopologyError
-from tusqh.mesh.betti import betti_by_boundary, betti_by_euler
+from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.threshold import plateaus, select
 from tusqh.threshold.plateaus import merge_intervals, predict_plateaus
 from tusqh.threshold.select import Selection, choose_threshold

@@ -6,7 +6,7 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.policy import Criteria, Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.geometry.read import read_outline
-from tusqh.mesh.betti import betti_by_boundary
+from tusqh.meshes.betti import betti_by_boundary
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.layout import lay_grid
 from tusqh.tables import VERIFICATION_COLUMNS, verification_row

@@ -7,8 +7,8 @@ import sys
 import pandas as pd
 import pytest
 
-from tusqh.mesh.betti import betti_by_boundary
-from tusqh.mesh.export import read_vtu
+from tusqh.meshes.betti import betti_by_boundary
+from tusqh.meshes.export import read_vtu
 from tusqh.provenance.hashing import hash_file
 
 # A plate with a round and a square hole; the path of the square is left open on purpose.

@@ -8,8 +8,8 @@ import pandas as pd
 import pytest
 import trimesh
 
-from tusqh.mesh.betti import betti_by_boundary
-from tusqh.mesh.export import read_vtu
+from tusqh.meshes.betti import betti_by_boundary
+from tusqh.meshes.export import read_vtu
 
 CONFIG = """models:
   ring:

@@ -17,11 +17,11 @@ from tusqh.antialias.templates_2d import emit_quads
 from tusqh.antialias.templates_3d import emit_hexes
 from tusqh.errors import MeshError
 from tusqh.grid import BackgroundGrid, BoolArray, IntArray
-from tusqh.mesh.betti import betti_by_euler
-from tusqh.mesh.checks import find_non_manifold_points
-from tusqh.mesh.facets import find_facets
-from tusqh.mesh.jacobians import element_volumes
-from tusqh.mesh.volume_mesh import GRID_CELL, VolumeMesh
+from tusqh.meshes.betti import betti_by_euler
+from tusqh.meshes.checks import find_non_manifold_points
+from tusqh.meshes.facets import find_facets
+from tusqh.meshes.jacobians import element_volumes
+from tusqh.meshes.volume_mesh import GRID_CELL, VolumeMesh
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.topology.betti_numbers import BettiNumbers
 

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from tusqh.antialias.clusters import CONNECT, SEPARATE
 from tusqh.grid import QUAD_CORNERS, QUAD_SIDES, BackgroundGrid, BoolArray, FloatArray, IntArray
-from tusqh.mesh.volume_mesh import (
+from tusqh.meshes.volume_mesh import (
     BRIDGE,
     CONNECTING,
     GRID_CELL,

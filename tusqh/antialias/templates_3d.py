@@ -32,8 +32,8 @@ from numpy.typing import NDArray
 from tusqh.antialias.clusters import CONNECT, SEPARATE
 from tusqh.antialias.pinches import find_pinch_edges, neighbourhood_codes, template_tables
 from tusqh.grid import HEX_CORNERS, BackgroundGrid, BoolArray, FloatArray, IntArray
-from tusqh.mesh.facets import HEX_FACETS
-from tusqh.mesh.volume_mesh import CONNECTING, GRID_CELL, INNER_CELL, SEPARATING, VolumeMesh
+from tusqh.meshes.facets import HEX_FACETS
+from tusqh.meshes.volume_mesh import CONNECTING, GRID_CELL, INNER_CELL, SEPARATING, VolumeMesh
 
 #: Distance of the inner cell from the faces, in cells, and of the small quad from the edges of
 #: its face.  Scaled Jacobians on cubic cells: frusta 1/sqrt(3), rings >= 2/3, centres 0.9.

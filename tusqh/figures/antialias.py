@@ -13,7 +13,7 @@ from scipy import ndimage
 from tusqh.antialias.pinches import find_pinches
 from tusqh.figures import style
 from tusqh.grid import FloatArray, IntArray
-from tusqh.mesh.volume_mesh import BRIDGE, CONNECTING, SEPARATING, VolumeMesh
+from tusqh.meshes.volume_mesh import BRIDGE, CONNECTING, SEPARATING, VolumeMesh
 from tusqh.sampling.fractions import VolumeFractions
 
 #: Side of the close-up, in cells.

@@ -10,8 +10,8 @@ from matplotlib.patches import Patch
 from tusqh.figures import style
 from tusqh.figures.rendering import polydata_of, render, show, surface_of
 from tusqh.geometry.soup import Soup
-from tusqh.mesh.betti import betti_by_euler
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.betti import betti_by_euler
+from tusqh.meshes.volume_mesh import VolumeMesh
 
 
 def draw_panels(

@@ -13,7 +13,7 @@ from tusqh.antialias.resolve import resolve
 from tusqh.figures import style
 from tusqh.figures.rendering import render, show, surface_of
 from tusqh.grid import HEX_CORNERS, BackgroundGrid, BoolArray
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.volume_mesh import VolumeMesh
 
 
 def list_configurations() -> list[BoolArray]:

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from tusqh.figures import style
 from tusqh.geometry.soup import Soup
 from tusqh.grid import FloatArray, IntArray
-from tusqh.mesh.volume_mesh import BRIDGE, CONNECTING, SEPARATING, VolumeMesh
+from tusqh.meshes.volume_mesh import BRIDGE, CONNECTING, SEPARATING, VolumeMesh
 
 #: Colours by `VolumeMesh.kind`.
 _COLOURS = {SEPARATING: style.SEPARATING, CONNECTING: style.CONNECTING, BRIDGE: style.BRIDGE}

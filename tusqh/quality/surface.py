@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tusqh.mesh.facets import find_facets
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.facets import find_facets
+from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.quality.system_libraries import SystemLibraryError, describe_missing
 
 

@@ -8,10 +8,10 @@ from collections.abc import Callable
 import pandas as pd
 
 from tusqh.errors import TusqhError
-from tusqh.mesh.betti import betti_by_boundary, betti_by_euler
-from tusqh.mesh.checks import Check, check_mesh
-from tusqh.mesh.jacobians import corner_jacobians, element_volumes, enclosed_volume
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
+from tusqh.meshes.checks import Check, check_mesh
+from tusqh.meshes.jacobians import corner_jacobians, element_volumes, enclosed_volume
+from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.quality.surface import measure_overlap, surface_measures
 from tusqh.quality.system_libraries import SystemLibraryError
 from tusqh.simulate.zero_modes import count_zero_modes

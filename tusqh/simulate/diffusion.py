@@ -21,8 +21,8 @@ from scipy.sparse.linalg import cg, splu
 
 from tusqh.errors import SimulationError
 from tusqh.grid import FloatArray, IntArray
-from tusqh.mesh.facets import HEX_FACETS
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.facets import HEX_FACETS
+from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.simulate.operators import Operators, assemble
 
 #: Largest relative change of the total mass that is accepted.
@@ -237,7 +237,7 @@ def _deepest_point(mesh: VolumeMesh) -> FloatArray:
     """Return the centre of the element that is farthest from the boundary."""
     from scipy.spatial import cKDTree
 
-    from tusqh.mesh.facets import find_facets
+    from tusqh.meshes.facets import find_facets
 
     facets = find_facets(mesh.cells)
     boundary = np.unique(facets.corners[facets.on_boundary])

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from tusqh.errors import MeshError, SimulationError
-from tusqh.mesh.checks import require_sound
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.checks import require_sound
+from tusqh.meshes.volume_mesh import VolumeMesh
 
 
 def to_mfem(mesh: VolumeMesh) -> Any:

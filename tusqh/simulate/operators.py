@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tusqh.grid import FloatArray, IntArray
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.simulate.mfem_mesh import to_mfem, to_sparse
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from scipy.sparse.csgraph import connected_components
 
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.simulate.operators import assemble
 
 

@@ -15,8 +15,8 @@ import pandas as pd
 from tusqh.antialias.cells import CellSet, CellSets
 from tusqh.antialias.resolve import build_mesh
 from tusqh.errors import TopologyError
-from tusqh.mesh.betti import betti_by_boundary, betti_by_euler
-from tusqh.mesh.jacobians import element_volumes
+from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
+from tusqh.meshes.jacobians import element_volumes
 from tusqh.threshold.goals import Target, describe, distances, is_met, matches
 from tusqh.threshold.plateaus import BETTI, list_reachable, merge_intervals
 from tusqh.topology.betti_numbers import BettiNumbers

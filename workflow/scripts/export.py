@@ -1,7 +1,7 @@
 from pathlib import Path
 
-from tusqh.mesh.export import read_vtu
-from tusqh.mesh.formats import write_mesh
+from tusqh.meshes.export import read_vtu
+from tusqh.meshes.formats import write_mesh
 from tusqh.provenance.record import recorded
 
 with recorded(snakemake) as log:

@@ -3,7 +3,7 @@ from pathlib import Path
 
 from tusqh.figures import style
 from tusqh.figures.antialias import draw_antialias
-from tusqh.mesh.export import read_vtu
+from tusqh.meshes.export import read_vtu
 from tusqh.provenance.record import recorded
 from tusqh.sampling.io import load_fractions
 

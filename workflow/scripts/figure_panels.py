@@ -5,7 +5,7 @@ import pandas as pd
 from tusqh.figures import style
 from tusqh.figures.panels import draw_panels
 from tusqh.geometry.files import load_geometry
-from tusqh.mesh.export import read_vtu
+from tusqh.meshes.export import read_vtu
 from tusqh.provenance.record import recorded
 
 with recorded(snakemake) as log:

@@ -6,7 +6,7 @@ from tusqh.antialias.policy import Policy
 from tusqh.antialias.resolve import build_mesh, describe_mesh
 from tusqh.atomic import write_text
 from tusqh.certificate import make_certificate
-from tusqh.mesh.export import write_vtu
+from tusqh.meshes.export import write_vtu
 from tusqh.provenance.hashing import canonical_json
 from tusqh.provenance.record import recorded
 from tusqh.sampling.io import load_fractions

@@ -1,7 +1,7 @@
 import json
 from pathlib import Path
 
-from tusqh.mesh.export import read_vtu
+from tusqh.meshes.export import read_vtu
 from tusqh.provenance.record import recorded
 from tusqh.quality.elements import element_metrics, summarise_metrics
 from tusqh.quality.verdict import judge_mesh, overall, to_table

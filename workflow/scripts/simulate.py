@@ -1,6 +1,6 @@
 from pathlib import Path
 
-from tusqh.mesh.export import read_vtu
+from tusqh.meshes.export import read_vtu
 from tusqh.progress import log_progress
 from tusqh.provenance.record import recorded
 from tusqh.simulate.diffusion import simulate_diffusion

@@ -5,7 +5,7 @@ import pandas as pd
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.policy import Policy
 from tusqh.antialias.resolve import build_mesh
-from tusqh.mesh.export import write_vtu
+from tusqh.meshes.export import write_vtu
 from tusqh.provenance.record import recorded
 from tusqh.sampling.io import load_fractions
 from tusqh.tables import verification_row, write_csv

@@ -6,8 +6,8 @@ import numba
 import numpy as np
 
 from tusqh.grid import FloatArray, IntArray
-from tusqh.mesh.facets import HEX_FACETS, find_facets
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.facets import HEX_FACETS, find_facets
+from tusqh.meshes.volume_mesh import VolumeMesh
 
 #: Neighbours of every corner, ordered so that a valid element has positive determinants.
 QUAD_NEIGHBOURS: IntArray = np.array([[1, 3], [2, 0], [3, 1], [0, 2]], dtype=np.int64)

@@ -11,10 +11,10 @@ from tusqh.antialias.pinches import find_pinches
 from tusqh.antialias.resolve import resolve
 from tusqh.errors import MeshError
 from tusqh.grid import BackgroundGrid
-from tusqh.mesh.boundary import SIDES, find_boundary
-from tusqh.mesh.facets import HEX_FACETS
-from tusqh.mesh.formats import write_mesh
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.boundary import SIDES, find_boundary
+from tusqh.meshes.facets import HEX_FACETS
+from tusqh.meshes.formats import write_mesh
+from tusqh.meshes.volume_mesh import VolumeMesh
 
 
 @pytest.fixture(params=[2, 3], ids=["quads", "hexes"])

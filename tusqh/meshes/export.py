@@ -9,7 +9,7 @@ import numpy as np
 from tusqh.atomic import replacing
 from tusqh.errors import MeshError
 from tusqh.grid import FloatArray
-from tusqh.mesh.volume_mesh import KINDS, VolumeMesh
+from tusqh.meshes.volume_mesh import KINDS, VolumeMesh
 
 _VTK_QUAD, _VTK_HEXAHEDRON = 9, 12
 
@@ -19,7 +19,7 @@ def write_vtu(
 ) -> None:
     """Write a mesh as binary VTU; the file appears whole or not at all.
 
-    Every element carries `kind` (index into `tusqh.mesh.volume_mesh.KINDS`) and `grid_cell`.
+    Every element carries `kind` (index into `tusqh.meshes.volume_mesh.KINDS`) and `grid_cell`.
 
     Parameters
     ----------

@@ -11,8 +11,8 @@ import numpy as np
 from tusqh.atomic import replacing, write_text
 from tusqh.errors import MeshError
 from tusqh.grid import IntArray
-from tusqh.mesh.boundary import SIDES, Boundary, find_boundary
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.boundary import SIDES, Boundary, find_boundary
+from tusqh.meshes.volume_mesh import VolumeMesh
 
 #: Local facet to the number that a format gives it, in the order of `HEX_FACETS`; the sides of
 #: quads are numbered alike everywhere.
@@ -24,7 +24,7 @@ def write_mesh(path: Path, mesh: VolumeMesh) -> None:
     """Write a mesh in the format of a file's suffix, whole or not at all.
 
     ``.mesh`` (MFEM, boundary attributes), ``.msh`` (Gmsh 2.2, physical groups), ``.exo`` (Exodus,
-    side sets), ``.inp`` (Abaqus, surfaces); the sides are those of `tusqh.mesh.boundary.SIDES`.
+    side sets), ``.inp`` (Abaqus, surfaces); the sides are those of `tusqh.meshes.boundary.SIDES`.
 
     Raises
     ------

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tusqh.grid import IntArray
-from tusqh.mesh.facets import find_facets
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.facets import find_facets
+from tusqh.meshes.volume_mesh import VolumeMesh
 
 #: Names of the sides; attribute ``k`` is ``SIDES[k - 1]``.  Facets of templates face no axis.
 SIDES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max", "slanted")

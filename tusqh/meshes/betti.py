@@ -7,8 +7,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from tusqh.grid import IntArray
-from tusqh.mesh.facets import Facets, count_edges, find_facets
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.facets import Facets, count_edges, find_facets
+from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.topology.betti_numbers import BettiNumbers
 
 

@@ -14,10 +14,10 @@ from scipy.sparse.csgraph import connected_components
 
 from tusqh.errors import MeshError
 from tusqh.grid import BoolArray, FloatArray, IntArray
-from tusqh.mesh.facets import Facets, find_facets
-from tusqh.mesh.hanging_nodes import count_points_in_faces
-from tusqh.mesh.jacobians import corner_jacobians
-from tusqh.mesh.volume_mesh import VolumeMesh
+from tusqh.meshes.facets import Facets, find_facets
+from tusqh.meshes.hanging_nodes import count_points_in_faces
+from tusqh.meshes.jacobians import corner_jacobians
+from tusqh.meshes.volume_mesh import VolumeMesh
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,40 @@
+"""`tusqh check`: say whether a mesh is fit for analysis, and as certified."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from tusqh.cli.show import show
+
+
+def check(mesh: Annotated[Path, typer.Argument(help="A .vtu file of quads.")]) -> None:
+    """Measure the topology of a mesh and check that it is fit for analysis.
+
+    A certificate.json beside the mesh is recomputed as well: its digests, measurements and,
+    where the fractions are there too, its predictions.
+
+    Exit code 0: all holds; 1: something does not; 2: the file cannot be read.
+    Example: tusqh check results/chesapeake/mesh.vtu
+    """
+    from tusqh.certificate import FILE_NAME, check_certificate, read_predicted
+    from tusqh.meshes.betti import betti_by_euler
+    from tusqh.meshes.export import read_vtu
+    from tusqh.quality.elements import element_metrics
+    from tusqh.quality.verdict import judge_mesh, overall, to_table
+
+    volume_mesh = read_vtu(mesh)
+    certificate = mesh.parent / FILE_NAME
+    measured = betti_by_euler(volume_mesh)
+    expected = read_predicted(certificate) if certificate.is_file() else measured
+    checks = judge_mesh(volume_mesh, expected, element_metrics(volume_mesh))
+    if certificate.is_file():
+        checks += check_certificate(certificate, mesh, volume_mesh)
+    table = to_table(checks)
+    show(table, title=f"{mesh.name}: {volume_mesh.n_cells} elements, Betti numbers {measured}")
+    verdict = overall(table)
+    Console().print(verdict + ("" if certificate.is_file() else " (no certificate beside it)"))
+    raise typer.Exit(0 if verdict.startswith("suitable") else 1)
