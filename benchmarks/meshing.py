@@ -84,7 +84,7 @@ def _on_grid(values: np.ndarray) -> VolumeFractions:
     grid = BackgroundGrid(
         shape=tuple(n // 2 for n in values.shape), cell_size=1.0, origin=(0.0, 0.0, 0.0)
     )
-    return VolumeFractions(grid, 4, round_fractions(np.clip(values, 0.0, 1.0)))
+    return VolumeFractions.from_values(grid, 4, round_fractions(np.clip(values, 0.0, 1.0)))
 
 
 _FIELDS = {"smooth noise": smooth_noise, "white noise": white_noise, "bunny": bunny}

@@ -34,7 +34,7 @@ def make_fractions(cells, vertices=None) -> VolumeFractions:
     if vertices is not None:
         values[::2, ::2] = vertices
     grid = BackgroundGrid(shape=cells.shape, cell_size=1.0, origin=(0.0, 0.0))
-    return VolumeFractions(grid=grid, samples=4, values=round_fractions(values))
+    return VolumeFractions.from_values(grid=grid, samples=4, values=round_fractions(values))
 
 
 def random_fractions(rng: np.random.Generator, shape, n_levels: int = 5) -> VolumeFractions:

@@ -27,7 +27,7 @@ def field(kept, interior):
     for place in interior:
         values[place] = 0.75
     grid = BackgroundGrid(shape=kept.shape, cell_size=1.0, origin=(0.0, 0.0))
-    return VolumeFractions(grid=grid, samples=4, values=values)
+    return VolumeFractions.from_values(grid=grid, samples=4, values=values)
 
 
 def build(fractions, **policy):

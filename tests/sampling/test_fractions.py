@@ -1,3 +1,4 @@
+import igl
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -6,9 +7,10 @@ from hypothesis import strategies as st
 from tusqh.errors import SamplingError
 from tusqh.geometry.outline import Outline
 from tusqh.grid import BackgroundGrid
-from tusqh.sampling.fractions import RESOLUTION, sample_fractions
+from tusqh.sampling import fractions as fractions_module
+from tusqh.sampling.doubled_grid import RESOLUTION
+from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.io import load_fractions, save_fractions
-from tusqh.sampling.winding_number import winding_number
 
 GRID = BackgroundGrid(shape=(4, 3), cell_size=0.5, origin=(-0.5, -0.25))
 
@@ -35,7 +37,8 @@ def brute_force_fraction(outline, grid, samples, doubled):
             place = np.array([doubled[0] / 2 + dx, doubled[1] / 2 + dy])
             if ((place < 0) | (place > grid.shape)).any():
                 continue  # Nothing outside the grid.
-            total += winding_number(outline, grid.to_points(place[None]))[0]
+            query = grid.to_points(place[None])
+            total += igl.winding_number(outline.points, outline.segments, query)[0]
     return total / samples**2
 
 
@@ -130,9 +133,21 @@ def test_fractions_survive_the_disk_bit_for_bit(square, tmp_path):
         load_fractions(path)
 
 
-def test_progress_is_reported_to_the_end(square):
+def test_progress_is_reported_to_the_end(square, monkeypatch):
+    monkeypatch.setattr(fractions_module, "_SLAB", 1)
     calls = []
     grid = BackgroundGrid.over_box((0.0, 0.0), (1.0, 1.0), cells=100)
     sample_fractions(square, grid, progress=lambda done, total: calls.append((done, total)))
     assert len(calls) > 1
     assert calls[-1] == (160_000, 160_000)
+
+
+def test_the_sampler_libigl_agrees(square):
+    outline = random_outline(np.random.default_rng(3))
+    ours = sample_fractions(outline, GRID).values
+    theirs = sample_fractions(outline, GRID, sampler="libigl").values
+    assert np.abs(ours - theirs).max() < 2e-6
+    assert np.array_equal(
+        sample_fractions(square, GRID).values,
+        sample_fractions(square, GRID, sampler="libigl").values,
+    )

@@ -77,7 +77,7 @@ def test_raw_equals_effective_where_nothing_is_overruled(seed):
     shape = tuple(int(n) for n in rng.integers(1, 7, 2))
     values = np.clip(random_values(rng, shape), 0, 1)
     grid = BackgroundGrid(shape=shape, cell_size=1.0, origin=(0.0, 0.0))
-    fractions = VolumeFractions(grid=grid, samples=4, values=values)
+    fractions = VolumeFractions.from_values(grid=grid, samples=4, values=values)
     plateaus = betti_curves(values)
     cell_sets = CellSets(fractions, Policy(bridges="none"))
     for threshold in plateaus["upper"]:

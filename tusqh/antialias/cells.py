@@ -90,7 +90,7 @@ class CellSets:
     >>> values = np.zeros((5, 5))
     >>> values[1, 1] = values[3, 3] = 1.0
     >>> grid = BackgroundGrid(shape=(2, 2), cell_size=1.0, origin=(0.0, 0.0))
-    >>> str(CellSets(VolumeFractions(grid, 4, values)).at(0.5).predicted)
+    >>> str(CellSets(VolumeFractions.from_values(grid, 4, values)).at(0.5).predicted)
     '(2, 0, 0)'
     """
 

@@ -24,7 +24,7 @@ def inspect(
     from tusqh.geometry.files import read_geometry
     from tusqh.geometry.outline import Outline
     from tusqh.geometry.surface_defects import describe_surface_defects
-    from tusqh.sampling.crossings import describe_winding
+    from tusqh.sampling.describe_winding import describe_winding
 
     found = read_geometry(geometry)
     if isinstance(found, Outline):

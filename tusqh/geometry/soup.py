@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tusqh.errors import GeometryError
+from tusqh.geometry.boundary_chain import match_points
 from tusqh.grid import FloatArray, IntArray
 
 
@@ -86,9 +87,6 @@ class Soup:
         return tuple(used.min(axis=0).tolist()), tuple(used.max(axis=0).tolist())
 
     def matched(self) -> tuple[FloatArray, IntArray]:
-        """Return points and triangles with points of equal coordinates taken as one.
-
-        Nothing moves: coordinates match when they are equal in every bit (0.0 equals -0.0).
-        """
-        points, number = np.unique(self.points + 0.0, axis=0, return_inverse=True)
-        return points, number.reshape(-1)[self.triangles].astype(np.int64)
+        """Return points and triangles with points of equal coordinates taken as one."""
+        points, number = match_points(self.points)
+        return points, number[self.triangles]

@@ -17,33 +17,34 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 
 from tusqh.errors import SamplingError
-from tusqh.geometry.outline import Outline
-from tusqh.geometry.soup import Soup
 from tusqh.grid import BackgroundGrid, FloatArray
-from tusqh.sampling.blocks import average_blocks, block_means
-from tusqh.sampling.crossings import has_small_cap, wind_on_lattice
-from tusqh.sampling.winding_number import winding_number
+from tusqh.sampling.doubled_grid import (
+    RESOLUTION,
+    Multiples,
+    average_coverage,
+    average_half_blocks,
+)
+from tusqh.sampling.field import TOLERANCE, Geometry, Sampler, WindingField, make_field
+from tusqh.sampling.lattice import Box, Lattice
 
-Box = tuple[tuple[float, ...], tuple[float, ...]]
 Domain = Literal["inside", "outside"]
 Rule = Literal["average", "clamped"]
 Orientation = Literal["auto", "as-is", "flip"]
 
-#: Fractions are rounded once to multiples of this, because ties decide topology.
-RESOLUTION = 2.0**-20
+#: Numbers in a slab of the lattice, about: bounds memory, paces progress reports.
+_SLAB = 8_000_000
 
-#: Samples per call of the winding number, by dimension: bounds memory, paces progress reports.
-_SLAB = {2: 50_000, 3: 10_000_000}
+#: Winding numbers up to this have room in 32 bits.
+_LARGEST = 2000
 
-#: Memory that fractions and the filtration need per cell, by dimension (measured).
-_BYTES_PER_CELL = {2: 300, 3: 600}
-
-Geometry = Outline | Soup
+#: Memory that a step needs per cell in 2D and 3D (measured).
+_BYTES_PER_CELL = {"sampling": {2: 24, 3: 40}, "meshing": {2: 300, 3: 600}}
 
 
 @dataclass(frozen=True)
@@ -56,24 +57,38 @@ class VolumeFractions:
         The background grid, of shape n.
     samples
         Samples along each side of a cell.
-    values
-        Fractions on the doubled grid, shape ``2 n + 1``, dimensionless, multiples of
-        `RESOLUTION`.  Below 0 and above 1 where the winding number is.
+    multiples
+        Fractions on the doubled grid as multiples of `RESOLUTION`, shape ``2 n + 1``, int32.
+        Below 0 and above 1 / `RESOLUTION` where the winding number is.
     """
 
     grid: BackgroundGrid
     samples: int
-    values: FloatArray
+    multiples: Multiples
 
-    @property
+    @classmethod
+    def from_values(cls, grid: BackgroundGrid, samples: int, values: FloatArray) -> VolumeFractions:
+        """Return the fractions with given values, shape ``2 n + 1``, rounded to `RESOLUTION`."""
+        return cls(grid, samples, np.rint(values / RESOLUTION).astype(np.int32))
+
+    @cached_property
+    def values(self) -> FloatArray:
+        """Fractions on the doubled grid, shape ``2 n + 1``, dimensionless."""
+        return np.asarray(self.multiples * RESOLUTION, dtype=np.float64)
+
+    @cached_property
     def cells(self) -> FloatArray:
         """Fractions of the cells, shape n."""
-        return self.values[(slice(1, None, 2),) * self.grid.dim]
+        return np.asarray(
+            self.multiples[(slice(1, None, 2),) * self.grid.dim] * RESOLUTION, dtype=np.float64
+        )
 
     @property
     def vertices(self) -> FloatArray:
         """Sub-cell fractions of the grid vertices, shape ``n + 1``."""
-        return self.values[(slice(0, None, 2),) * self.grid.dim]
+        return np.asarray(
+            self.multiples[(slice(0, None, 2),) * self.grid.dim] * RESOLUTION, dtype=np.float64
+        )
 
     def volume(self) -> float:
         """Return the volume (2D: area) that the cell fractions add up to, in model units."""
@@ -89,6 +104,8 @@ def sample_fractions(
     window: Box | None = None,
     rule: Rule = "average",
     orientation: Orientation = "auto",
+    sampler: Sampler = "crossings",
+    tolerance: float = TOLERANCE,
     progress: Callable[[int, int], None] | None = None,
 ) -> VolumeFractions:
     """Return the volume fractions of an outline or a soup on a grid.
@@ -111,6 +128,10 @@ def sample_fractions(
     orientation
         ``"auto"`` flips the sign of the winding number when its mean is negative (clockwise
         rings), ``"flip"`` always does, ``"as-is"`` never.
+    sampler
+        ``"crossings"`` counts crossings on the lattice; ``"libigl"`` asks libigl at every sample.
+    tolerance
+        Largest error of a fraction before rounding, dimensionless; `sampler` crossings only.
     progress
         Called with (samples done, samples in all).
 
@@ -126,7 +147,7 @@ def sample_fractions(
     A unit square on a grid of cells twice as large: the vertex at its centre sees all of the
     four quarter cells around it that the square covers.
 
-    >>> import numpy as np
+    >>> from tusqh.geometry.outline import Outline
     >>> square = np.array([[1.0, 1], [3, 1], [3, 3], [1, 3], [1, 1]])
     >>> grid = BackgroundGrid(shape=(2, 2), cell_size=2.0, origin=(0.0, 0.0))
     >>> sample_fractions(Outline.from_chains([square]), grid).values.tolist()[1:4]
@@ -134,22 +155,23 @@ def sample_fractions(
     """
     _check_samples(samples)
     _check_overlap(geometry, grid, window)
-    require_memory(grid, name=geometry.name)
-    axes = [
-        o + grid.cell_size * (np.arange(n * samples) + 0.5) / samples
-        for o, n in zip(grid.origin, grid.shape, strict=True)
-    ]
-    signs = {"as-is": (1,), "flip": (-1,), "auto": (1, -1)}[orientation]
-    if isinstance(geometry, Soup) and rule == "average" and has_small_cap(geometry, axes):
-        blocks, total = _blocks_by_runs(geometry, axes, samples, domain, window, signs)
-        is_nonzero = abs(total) > RESOLUTION
-        if progress is not None:
-            progress(1, 1)
+    require_memory(grid, "sampling", name=geometry.name)
+    lattice = Lattice.over_grid(grid, samples, window)
+    field = make_field(geometry, sampler, tolerance=tolerance)
+    tally = _Tally(float(lattice.half.prod()))
+    if rule == "average":
+        multiples = average_half_blocks(_slabs(field, lattice, tally, progress), lattice)
+        sign = tally.sign(orientation)
+        np.multiply(multiples, sign, out=multiples)
+        if domain == "outside":
+            np.subtract(average_coverage(lattice), multiples, out=multiples)
     else:
-        blocks, total, is_nonzero = _blocks_by_samples(
-            geometry, axes, samples, domain, window, rule, signs, progress
-        )
-    if not is_nonzero:
+        for _ in _slabs(field, lattice, tally, None):  # The sign comes first: clipping needs it.
+            pass
+        sign = tally.sign(orientation)
+        clipped = _clipped_slabs(field, lattice, sign, domain, progress)
+        multiples = average_half_blocks(clipped, lattice)
+    if not tally.is_nonzero:
         raise SamplingError(
             "the winding number is zero everywhere, so the geometry has no inside",
             where=geometry.name,
@@ -157,10 +179,8 @@ def sample_fractions(
             remedy="remove one of the two copies if every border is there twice in opposite "
             "directions (double-sided sheets)",
         )
-    chosen = -1 if -1 in signs and (orientation == "flip" or total < 0) else 1
-    values = _average(blocks[chosen])
-    fractions = VolumeFractions(grid=grid, samples=samples, values=values)
-    if not (fractions.cells > 0).any():
+    fractions = VolumeFractions(grid=grid, samples=samples, multiples=multiples)
+    if not (multiples[(slice(1, None, 2),) * grid.dim] > 0).any():
         raise SamplingError(
             f"no cell of the {grid.label} grid has a positive fraction of the {domain} of the "
             "geometry",
@@ -171,57 +191,81 @@ def sample_fractions(
     return fractions
 
 
-def _blocks_by_samples(
-    geometry: Geometry,
-    axes: list[FloatArray],
-    samples: int,
-    domain: Domain,
-    window: Box | None,
-    rule: Rule,
-    signs: tuple[int, ...],
+@dataclass
+class _Tally:
+    """What the winding numbers of all samples add up to.
+
+    Parameters
+    ----------
+    per_block
+        Samples of a half-block.
+    """
+
+    per_block: float
+    total: float = 0.0
+    is_nonzero: bool = False
+
+    def add(self, sums: FloatArray) -> None:
+        self.total += float(sums.sum())
+        largest = max(float(sums.max(initial=0.0)), -float(sums.min(initial=0.0)))
+        self.is_nonzero |= largest > RESOLUTION * self.per_block
+        if largest > self.per_block * _LARGEST:
+            raise SamplingError(
+                f"a winding number of {largest / self.per_block:.0f}",
+                where="samples",
+                expected=f"at most {_LARGEST}",
+                remedy="remove copies: the geometry covers the same place that many times",
+            )
+
+    def sign(self, orientation: Orientation) -> int:
+        is_flipped = orientation == "flip" or (orientation == "auto" and self.total < 0)
+        return -1 if is_flipped else 1
+
+
+def _slabs(
+    field: WindingField,
+    lattice: Lattice,
+    tally: _Tally,
     progress: Callable[[int, int], None] | None,
-) -> tuple[dict[int, FloatArray], float, bool]:
-    """Return half-block means by sign, the sum of all winding numbers, and if any is not zero."""
-    blocks: dict[int, list[FloatArray]] = {sign: [] for sign in signs}
-    total, is_nonzero = 0.0, False
-    for start, winding in _winding_by_slabs(geometry, axes, samples, progress):
-        total += float(winding.sum())
-        is_nonzero |= bool((np.abs(winding) > RESOLUTION).any())
-        slab_axes = [axes[0][start : start + len(winding)], *axes[1:]]
-        for sign in signs:
-            values = sign * winding if domain == "inside" else 1.0 - sign * winding
-            if rule == "clamped":
-                values = np.clip(values, 0.0, 1.0)
-            if window is not None:
-                for axis, (x, low, high) in enumerate(zip(slab_axes, *window, strict=True)):
-                    values[(slice(None),) * axis + ((x < low) | (x > high),)] = 0.0
-            blocks[sign].append(_half_block_means(values, samples))
-    return {sign: np.concatenate(of_sign) for sign, of_sign in blocks.items()}, total, is_nonzero
+) -> Iterator[FloatArray]:
+    """Yield the sums over half-blocks, slab by slab along x."""
+    n_x, n_y, n_z = (int(n) for n in lattice.n_blocks)
+    columns = max(16, _SLAB // (n_y * n_z) // 16 * 16)
+    per_column = n_y * n_z * int(lattice.half.prod())
+    for begin in range(0, n_x, columns):
+        end = min(begin + columns, n_x)
+        sums = field.sums(lattice, begin, end)
+        tally.add(sums)
+        yield sums
+        if progress is not None:
+            progress(end * per_column, n_x * per_column)
 
 
-def _blocks_by_runs(
-    soup: Soup,
-    axes: list[FloatArray],
-    samples: int,
+def _clipped_slabs(
+    field: WindingField,
+    lattice: Lattice,
+    sign: int,
     domain: Domain,
-    window: Box | None,
-    signs: tuple[int, ...],
-) -> tuple[dict[int, FloatArray], float]:
-    """Return half-block means by sign and the sum of their winding numbers, without samples."""
-    half = samples // 2
-    low, high = window or ((-np.inf,) * 3, (np.inf,) * 3)
-    first = np.array([np.searchsorted(a, x, side="left") for a, x in zip(axes, low, strict=True)])
-    last = np.array([np.searchsorted(a, x, side="right") for a, x in zip(axes, high, strict=True)])
-    means = block_means(soup, axes, half, first, last)
-    total = float(means.sum())
-    if domain == "inside":
-        return {sign: sign * means for sign in signs}, total
-    counts = [
-        ((np.arange(len(a)) >= f) & (np.arange(len(a)) < t)).reshape(-1, half).mean(axis=1)
-        for a, f, t in zip(axes, first, last, strict=True)
-    ]
-    whole = counts[0][:, None, None] * counts[1][:, None] * counts[2]
-    return {sign: whole - sign * means for sign in signs}, total
+    progress: Callable[[int, int], None] | None,
+) -> Iterator[FloatArray]:
+    """Yield sums of samples of the domain, each clipped to [0, 1], over half-blocks."""
+    single = lattice.of_samples()
+    n_x, n_y, n_z = (int(n) for n in single.n_blocks)
+    half = lattice.half
+    counts = single.coverage()
+    columns = max(1, 16 // int(half[0]), _SLAB // (int(half[0]) * n_y * n_z))
+    for begin in range(0, int(lattice.n_blocks[0]), columns):
+        end = min(begin + columns, int(lattice.n_blocks[0]))
+        samples = slice(begin * int(half[0]), end * int(half[0]))
+        values = sign * field.sums(single, samples.start, samples.stop)
+        if domain == "outside":
+            values = 1.0 - values
+        np.clip(values, 0.0, 1.0, out=values)
+        values *= counts[0][samples, None, None] * counts[1][:, None] * counts[2]
+        blocked = [m for n, h in zip(values.shape, half, strict=True) for m in (n // h, h)]
+        yield values.reshape(blocked).sum(axis=(1, 3, 5))
+        if progress is not None:
+            progress(samples.stop * n_y * n_z, n_x * n_y * n_z)
 
 
 def round_fractions(values: FloatArray) -> FloatArray:
@@ -233,9 +277,11 @@ def round_fractions(values: FloatArray) -> FloatArray:
     return np.rint(values / RESOLUTION) * RESOLUTION + 0.0  # + 0.0 turns -0.0 into 0.0
 
 
-def require_memory(grid: BackgroundGrid, *, name: str) -> None:
+def require_memory(
+    grid: BackgroundGrid, step: Literal["sampling", "meshing"], *, name: str
+) -> None:
     """Raise a `SamplingError` with the estimate when a grid cannot fit in this machine's memory."""
-    needed = grid.n_cells * _BYTES_PER_CELL[grid.dim]
+    needed = grid.n_cells * _BYTES_PER_CELL[step][grid.dim]
     available = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     if needed > available:
         coarser = (needed / available) ** (1 / grid.dim)
@@ -246,47 +292,6 @@ def require_memory(grid: BackgroundGrid, *, name: str) -> None:
             remedy=f"use cells at least {coarser:.2g} times as large (`grid.cell_size`), or fewer "
             "`grid.cells`",
         )
-
-
-def _winding_by_slabs(
-    geometry: Geometry,
-    axes: list[FloatArray],
-    samples: int,
-    progress: Callable[[int, int], None] | None,
-) -> Iterator[tuple[int, FloatArray]]:
-    """Yield the winding numbers of slabs of whole half-blocks along x, and where each starts."""
-    shape = tuple(len(a) for a in axes)
-    half = samples // 2
-    limit = _SLAB[len(shape)]
-    rows = max(1, limit // int(np.prod(shape[1:])) // half) * half
-    for start in range(0, shape[0], rows):
-        stop = min(start + rows, shape[0])
-        slab = [axes[0][start:stop], *axes[1:]]
-        if isinstance(geometry, Soup):
-            winding = wind_on_lattice(geometry, slab)
-        else:
-            queries = np.stack(np.meshgrid(*slab, indexing="ij"), axis=-1).reshape(-1, 2)
-            winding = winding_number(geometry, queries).reshape(stop - start, *shape[1:])
-        yield start, winding
-        if progress is not None:
-            progress(stop * int(np.prod(shape[1:])), int(np.prod(shape)))
-
-
-def _half_block_means(values: FloatArray, samples: int) -> FloatArray:
-    """Return the means of half-blocks of samples, two along each side of a cell."""
-    half = samples // 2
-    blocked = [k for n in values.shape for k in (n // half, half)]
-    return np.asarray(values.reshape(blocked).mean(axis=tuple(range(1, 2 * values.ndim, 2))))
-
-
-def _average(blocks: FloatArray) -> FloatArray:
-    """Return the rounded fractions on the doubled grid from half-block means."""
-    if blocks.ndim == 3:
-        return np.asarray(average_blocks(blocks, RESOLUTION))
-    padded = np.pad(blocks, 1)
-    low, high = slice(None, -1), slice(1, None)
-    quarters = [padded[x, y] for x in (low, high) for y in (low, high)]
-    return round_fractions(np.asarray(sum(quarters)) / 4)
 
 
 def _check_samples(samples: Any) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from tusqh.atomic import replacing
 from tusqh.errors import SamplingError
 from tusqh.grid import BackgroundGrid
-from tusqh.sampling.fractions import RESOLUTION, VolumeFractions
+from tusqh.sampling.fractions import VolumeFractions
 
 
 def save_fractions(path: Path, fractions: VolumeFractions) -> None:
@@ -19,7 +19,7 @@ def save_fractions(path: Path, fractions: VolumeFractions) -> None:
     with replacing(path) as temporary:
         np.savez_compressed(
             temporary,
-            multiples=np.rint(fractions.values / RESOLUTION).astype(np.int64),
+            multiples=fractions.multiples.astype(np.int64),
             samples=np.int64(fractions.samples),
             grid=np.array(json.dumps(fractions.grid.to_dict())),
         )
@@ -38,7 +38,7 @@ def load_fractions(path: Path) -> VolumeFractions:
             return VolumeFractions(
                 grid=BackgroundGrid.from_dict(json.loads(str(content["grid"]))),
                 samples=int(content["samples"]),
-                values=content["multiples"] * RESOLUTION,
+                multiples=content["multiples"].astype(np.int32),
             )
     except (OSError, KeyError, ValueError, zipfile.BadZipFile) as reason:
         raise SamplingError(

@@ -6,7 +6,8 @@ from typing import Any
 
 from tusqh.errors import SamplingError
 from tusqh.grid import BackgroundGrid
-from tusqh.sampling.fractions import Box, Geometry
+from tusqh.sampling.field import Geometry
+from tusqh.sampling.lattice import Box
 
 
 def to_window(window: dict[str, list[float]] | None) -> Box | None:

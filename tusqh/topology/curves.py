@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from tusqh.grid import FloatArray, IntArray
-from tusqh.sampling.fractions import RESOLUTION
+from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.topology.merge_tree import TOP, Keys, count_euler, merge_components, to_keys
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tusqh.grid import FloatArray, IntArray
-from tusqh.sampling.fractions import RESOLUTION
+from tusqh.sampling.doubled_grid import RESOLUTION
 
 Keys = NDArray[np.int32]
 

@@ -7,12 +7,12 @@ rule sample:
         record_how="results/provenance/{model}/sample.how.json",
     params:
         grid=of_model("grid", "window"),
-        sampling=of_model("samples", "domain", "rule", "orientation"),
+        sampling=of_model("samples", "domain", "rule", "orientation", "sampler", "tolerance"),
     log:
         "results/{model}/logs/sample.log",
     conda:
         ENVIRONMENT
-    # Every query is summed by one thread, so the result does not depend on their number.
+    # Sums are of integers, or within one thread: the result does not depend on their number.
     threads: 2
     script:
         "../scripts/sample.py"

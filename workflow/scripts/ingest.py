@@ -7,7 +7,7 @@ from tusqh.geometry.files import locate, read_geometry, write_geometry
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.surface_defects import describe_surface_defects
 from tusqh.provenance.record import recorded
-from tusqh.sampling.crossings import describe_winding
+from tusqh.sampling.describe_winding import describe_winding
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:

@@ -1,0 +1,355 @@
+r"""Sums of the winding number of a cap over half-blocks of samples, by a tree of blocks.
+
+Away from a triangle its winding number is harmonic, so over a block that keeps its distance a
+polynomial through few nodes replaces it.  Blocks are halved from large to small::
+
+    block    values at N x N x N nodes: of all triangles that are far from this block and from no
+      |      larger one, exactly; of those far from larger blocks, by the larger block's polynomial
+    half     the same, for the triangles that were near
+      :
+    leaf     what is near still: exactly, at every sample
+
+Each triangle is seen by each sample once.  A block whose near triangles run out is done: its
+polynomial gives the sums over all its half-blocks, by weights that add up the samples.
+
+The nodes are Chebyshev's with both ends, so most of them lie on the surface of the block, and as
+the function is harmonic those on the surface decide the ones inside: where many triangles are far,
+only the surface is evaluated.  The interpolation converges like ``rho^-N``, where the nearest
+triangle lies on the boundary of the Bernstein ellipse ``rho`` of a coordinate; at `FAR` sides from
+the block's centre ``rho`` is at least 3.9, in the corner towards the triangle (docs/sampling.md).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numba
+import numpy as np
+
+from tusqh.grid import FloatArray, IntArray
+from tusqh.sampling.angles import FAR, add_far, add_near
+from tusqh.sampling.closing import Chain
+from tusqh.sampling.lattice import Lattice
+
+#: Samples along the side of the smallest block, about; its near triangles are exact.
+_LEAF = 8
+#: Convergence of the interpolation per node at that distance.
+_RHO = 3.9
+#: Error of the interpolation at N nodes over ``_RHO ** -N``, with a margin (measured).
+_ERROR = 0.15
+#: Up to so many triangles, another digit or two cost little.
+_FEW, _TIGHT = 100, 1e-7
+#: Tolerance from which single precision is right.
+_SINGLE = 2e-7
+
+
+def nodes_for(tolerance: float) -> int:
+    """Return how many nodes along an axis keep the error of fractions below a tolerance.
+
+    >>> [nodes_for(10.0**-k) for k in (4, 6, 8, 10)]
+    [6, 9, 13, 16]
+    """
+    return max(3, int(np.ceil(np.log(_ERROR / tolerance) / np.log(_RHO))))
+
+
+@dataclass(frozen=True)
+class _Nodes:
+    """The nodes of a block, per axis and all together, and what is done with their values.
+
+    Parameters
+    ----------
+    places
+        For each axis the nodes in [0, 1].
+    counts
+        Nodes along each axis, shape (3,).
+    halves
+        For each axis matrices, shape (2, n, n), from values at nodes to those at the nodes of the
+        lower and the upper half; shape (1, 1, 1) for the axis of a single layer.
+    surface, inside
+        Numbers of the nodes on the surface and inside, in C order.
+    fill
+        From values on the surface to those inside, of harmonic functions: shape (on it, inside).
+    """
+
+    places: list[FloatArray]
+    counts: IntArray
+    halves: list[FloatArray]
+    surface: IntArray
+    inside: IntArray
+    fill: FloatArray
+
+    @classmethod
+    @cache
+    def of(cls, n: int, is_plane: bool) -> _Nodes:
+        """Return n nodes along each axis, one along the axis of a single layer."""
+        counts = np.array([n, 1 if is_plane else n, n])
+        line = -np.cos(np.pi * np.arange(n) / (n - 1))
+        places = [np.array([0.5]) if m == 1 else (line + 1) / 2 for m in counts]
+        halves = [
+            np.ones((1, 1, 1))
+            if m == 1
+            else np.stack([_interpolation(n, (line + o) / 2) for o in (-1, 1)])
+            for m in counts
+        ]
+        # Second derivatives at the nodes; harmonic: those along all axes add up to zero inside.
+        basis = np.polynomial.chebyshev.Chebyshev
+        second = np.stack([basis.basis(k).deriv(2)(line) for k in range(n)], axis=1)
+        second = second @ np.linalg.inv(np.polynomial.chebyshev.chebvander(line, n - 1))
+        one = np.eye(n)
+        if is_plane:
+            laplacian = np.kron(second, one) + np.kron(one, second)
+        else:
+            laplacian = (
+                np.kron(np.kron(second, one), one)
+                + np.kron(np.kron(one, second), one)
+                + np.kron(np.kron(one, one), second)
+            )
+        index = np.stack(np.unravel_index(np.arange(counts.prod()), counts), axis=1)
+        is_end = ((index == 0) | (index == n - 1)) & (counts > 1)
+        surface = np.flatnonzero(is_end.any(axis=1))
+        inside = np.flatnonzero(~is_end.any(axis=1))
+        fill = -np.linalg.solve(
+            laplacian[np.ix_(inside, inside)], laplacian[np.ix_(inside, surface)]
+        )
+        return cls(places, counts, halves, surface, inside, np.ascontiguousarray(fill.T))
+
+
+def _interpolation(n: int, places: FloatArray) -> FloatArray:
+    """Return the matrix from values at n nodes to values at places in [-1, 1]."""
+    nodes = -np.cos(np.pi * np.arange(n) / (n - 1))
+    inverse = np.linalg.inv(np.polynomial.chebyshev.chebvander(nodes, n - 1))
+    return np.asarray(np.polynomial.chebyshev.chebvander(places, n - 1) @ inverse)
+
+
+def add_cap(
+    cap: Chain, lattice: Lattice, begin: int, end: int, sums: FloatArray, *, tolerance: float
+) -> None:
+    """Add the winding numbers of a cap over the half-blocks ``begin <= i < end``.
+
+    Parameters
+    ----------
+    cap
+        Triangles or segments, with coordinates in steps of the lattice from its first sample.
+    lattice
+        The samples.
+    begin, end
+        Range of half-blocks along x.
+    sums
+        Sums over the samples of each half-block, shape (end - begin, n_y, n_z); added to.
+    tolerance
+        Largest error of a fraction, dimensionless.
+    """
+    if len(cap) == 0:
+        return
+    if len(cap) <= _FEW:
+        tolerance = min(tolerance, _TIGHT)
+    nodes = _Nodes.of(nodes_for(tolerance), lattice.is_plane)
+    leaf = np.maximum(1, 2 ** np.floor(np.log2(np.maximum(_LEAF / lattice.half, 1)))).astype(int)
+    if lattice.is_plane:
+        leaf[1] = 1
+    shape = np.array([end - begin, *lattice.n_blocks[1:]])
+    sides = [leaf]
+    while (sides[0] < shape).any():
+        sides.insert(0, np.where(nodes.counts > 1, 2 * sides[0], 1))
+    at_x, at_y, at_z = nodes.places
+    middle = cap.corners.mean(axis=1)
+    reach = np.linalg.norm(cap.corners - middle[:, None], axis=2).max(axis=1)
+    blocks = np.zeros((1, 3), dtype=np.int64)
+    values = np.zeros((1, int(nodes.counts.prod())))
+    near, near_start = np.arange(len(cap)), np.array([0, len(cap)])
+    for level, side in enumerate(sides):
+        lowest = (blocks + np.array([begin, 0, 0])) * lattice.half - 0.5
+        size = side * lattice.half
+        is_leaf = level == len(sides) - 1
+        far, far_start, near, near_start = _split_lists(
+            cap.corners, middle, reach, lowest + size / 2, float(size.max()), near, near_start
+        )
+        add_far(
+            cap.corners, cap.multiplicity, middle, reach, lowest, size, at_x, at_y, at_z,
+            nodes.surface, nodes.inside, nodes.fill, far, far_start, values, tolerance >= _SINGLE,
+        )  # fmt: skip
+        is_done = np.diff(near_start) == 0
+        to_x, to_y, to_z = _weights(lattice, side, begin, end, nodes.counts)
+        _add_polynomials(
+            blocks, side, to_x, to_y, to_z, is_done | is_leaf, nodes.counts, values, sums
+        )
+        if is_leaf:
+            add_near(
+                cap.corners, cap.multiplicity, blocks, side, begin, lattice.half, lattice.first,
+                lattice.last, near, near_start, sums,
+            )  # fmt: skip
+        else:
+            blocks, values, near, near_start = _halve(
+                blocks, values, near, near_start, sides[level + 1], shape, nodes
+            )
+
+
+def _weights(
+    lattice: Lattice, side: IntArray, begin: int, end: int, n_nodes: IntArray
+) -> list[FloatArray]:
+    """Return for each axis the weights, shape (half-blocks, nodes), from values to sums."""
+    weights = []
+    for axis in range(3):
+        n, half = int(n_nodes[axis]), int(lattice.half[axis])
+        n_blocks = end - begin if axis == 0 else int(lattice.n_blocks[axis])
+        start = begin if axis == 0 else 0
+        sample = np.arange(n_blocks * half)
+        in_block = (sample % (side[axis] * half) + 0.5) / (side[axis] * half)
+        of_sample = _interpolation(n, 2 * in_block - 1) if n > 1 else np.ones((len(sample), 1))
+        absolute = sample + start * half
+        counts = (absolute >= lattice.first[axis]) & (absolute < lattice.last[axis])
+        weights.append((of_sample * counts[:, None]).reshape(n_blocks, half, n).sum(axis=1))
+    return weights
+
+
+def _halve(
+    blocks: IntArray,
+    values: FloatArray,
+    near: IntArray,
+    near_start: IntArray,
+    side: IntArray,
+    shape: IntArray,
+    nodes: _Nodes,
+) -> tuple[IntArray, FloatArray, IntArray, IntArray]:
+    """Return the halves inside the lattice of the blocks with near triangles, as a new level."""
+    parents = np.flatnonzero(np.diff(near_start))
+    offsets = np.stack(
+        np.meshgrid(*[np.arange(len(h)) for h in nodes.halves], indexing="ij"), axis=-1
+    ).reshape(-1, 3)
+    children = blocks[parents][:, None] + offsets * side
+    is_inside = (children < shape).all(axis=2)
+    parent = np.repeat(parents, is_inside.sum(axis=1))
+    which = np.broadcast_to(offsets, children.shape)[is_inside]
+    # Every n-th block to the same thread: near ones lie together and cost alike.
+    n_threads = numba.get_num_threads()
+    order = np.concatenate([np.arange(k, len(parent), n_threads) for k in range(n_threads)])
+    parent, which, children = parent[order], which[order], children[is_inside][order]
+    length = np.diff(near_start)[parent]
+    start = np.concatenate([[0], np.cumsum(length)])
+    at_x, at_y, at_z = nodes.halves
+    inherited = _inherit(values, parent, which, at_x, at_y, at_z, nodes.counts)
+    return children, inherited, _copy_lists(near, near_start, parent, start), start
+
+
+@numba.njit(cache=True, error_model="numpy", parallel=True)
+def _copy_lists(near, near_start, parent, start):  # type: ignore[no-untyped-def]
+    copied = np.empty(start[-1], dtype=np.int64)
+    for r in numba.prange(len(parent)):
+        copied[start[r] : start[r + 1]] = near[near_start[parent[r]] : near_start[parent[r] + 1]]
+    return copied
+
+
+@numba.njit(cache=True, error_model="numpy", parallel=True)
+def _inherit(values, parent, which, at_x, at_y, at_z, n_nodes):  # type: ignore[no-untyped-def]
+    n_x, n_y, n_z = n_nodes
+    inherited = np.empty((len(parent), n_x * n_y * n_z))
+    for r in numba.prange(len(parent)):
+        old = values[parent[r]].reshape((n_x, n_y, n_z))
+        new = inherited[r].reshape((n_x, n_y, n_z))
+        _contract(old, at_x[which[r, 0]], at_y[which[r, 1]], at_z[which[r, 2]], new, False)
+    return inherited
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _contract(old, to_x, to_y, to_z, new, is_added):  # type: ignore[no-untyped-def]
+    """Apply a matrix along each axis: ``new[i, j, k] = to_x[i, a] to_y[j, b] to_z[k, c] old``."""
+    n_x, n_y, n_z = old.shape
+    m_x, m_y, m_z = new.shape
+    along_z = np.zeros((n_x, n_y, m_z))
+    for a in range(n_x):
+        for b in range(n_y):
+            for c in range(n_z):
+                for k in range(m_z):
+                    along_z[a, b, k] += to_z[k, c] * old[a, b, c]
+    along_y = np.zeros((n_x, m_y, m_z))
+    for a in range(n_x):
+        for j in range(m_y):
+            for b in range(n_y):
+                for k in range(m_z):
+                    along_y[a, j, k] += to_y[j, b] * along_z[a, b, k]
+    if not is_added:
+        new[:] = 0.0
+    for i in range(m_x):
+        for a in range(n_x):
+            for j in range(m_y):
+                for k in range(m_z):
+                    new[i, j, k] += to_x[i, a] * along_y[a, j, k]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _distance(p, corner):  # type: ignore[no-untyped-def]
+    """Return the distance of a point to a triangle or segment."""
+    nearest = np.inf
+    n = corner.shape[0]
+    if n == 3:
+        u, v, w = corner[1] - corner[0], corner[2] - corner[0], p - corner[0]
+        uu, uv, vv = (u * u).sum(), (u * v).sum(), (v * v).sum()
+        wu, wv = (w * u).sum(), (w * v).sum()
+        determinant = uu * vv - uv * uv
+        if determinant > 0.0:
+            s, t = (vv * wu - uv * wv) / determinant, (uu * wv - uv * wu) / determinant
+            if s >= 0.0 and t >= 0.0 and s + t <= 1.0:
+                q = w - s * u - t * v
+                return np.sqrt((q * q).sum())
+    for k in range(n if n == 3 else 1):
+        e, w = corner[(k + 1) % n] - corner[k], p - corner[k]
+        ee = (e * e).sum()
+        s = min(max((e * w).sum() / ee, 0.0), 1.0) if ee > 0.0 else 0.0
+        q = w - s * e
+        nearest = min(nearest, np.sqrt((q * q).sum()))
+    return nearest
+
+
+@numba.njit(cache=True, error_model="numpy", parallel=True)
+def _split_lists(  # type: ignore[no-untyped-def]
+    corners, middle, reach, centre, side, listed, start
+):
+    """Split each block's triangles into those far from it and those near."""
+    n = len(centre)
+    is_far = np.empty(len(listed), dtype=np.bool_)
+    n_far = np.zeros(n + 1, dtype=np.int64)
+    for r in numba.prange(n):
+        count = 0
+        for c in range(start[r], start[r + 1]):
+            t = listed[c]
+            d = middle[t] - centre[r]
+            distance = np.sqrt((d * d).sum())
+            far = distance - reach[t] >= FAR * side
+            if not far and reach[t] > 0.25 * side and distance >= FAR * side:
+                far = _distance(centre[r], corners[t]) >= FAR * side
+            is_far[c] = far
+            count += far
+        n_far[r + 1] = count
+    far_start = np.cumsum(n_far)
+    near_start = start - far_start
+    far_list = np.empty(far_start[-1], dtype=np.int64)
+    near_list = np.empty(near_start[-1], dtype=np.int64)
+    for r in numba.prange(n):
+        f, m = far_start[r], near_start[r]
+        for c in range(start[r], start[r + 1]):
+            if is_far[c]:
+                far_list[f] = listed[c]
+                f += 1
+            else:
+                near_list[m] = listed[c]
+                m += 1
+    return far_list, far_start, near_list, near_start
+
+
+@numba.njit(cache=True, error_model="numpy", parallel=True)
+def _add_polynomials(  # type: ignore[no-untyped-def]
+    blocks, side, at_x, at_y, at_z, is_chosen, n_nodes, values, sums
+):
+    shape = sums.shape
+    for r in numba.prange(len(blocks)):
+        if not is_chosen[r]:
+            continue
+        i, j, k = blocks[r]
+        i_to, j_to, k_to = (
+            min(i + side[0], shape[0]),
+            min(j + side[1], shape[1]),
+            min(k + side[2], shape[2]),
+        )
+        old = values[r].reshape((n_nodes[0], n_nodes[1], n_nodes[2]))
+        _contract(old, at_x[i:i_to], at_y[j:j_to], at_z[k:k_to], sums[i:i_to, j:j_to, k:k_to], True)
