@@ -158,7 +158,7 @@ def sample_fractions(
             "directions (double-sided sheets)",
         )
     chosen = -1 if -1 in signs and (orientation == "flip" or total < 0) else 1
-    values = _average(blocks[chosen])
+    values = fractions_of_blocks(blocks[chosen])
     fractions = VolumeFractions(grid=grid, samples=samples, values=values)
     if not (fractions.cells > 0).any():
         raise SamplingError(
@@ -279,8 +279,8 @@ def _half_block_means(values: FloatArray, samples: int) -> FloatArray:
     return np.asarray(values.reshape(blocked).mean(axis=tuple(range(1, 2 * values.ndim, 2))))
 
 
-def _average(blocks: FloatArray) -> FloatArray:
-    """Return the rounded fractions on the doubled grid from half-block means."""
+def fractions_of_blocks(blocks: FloatArray) -> FloatArray:
+    """Return the rounded fractions on the doubled grid from half-block means, shape ``2 n``."""
     if blocks.ndim == 3:
         return np.asarray(average_blocks(blocks, RESOLUTION))
     padded = np.pad(blocks, 1)
