@@ -66,7 +66,7 @@ def compare_examples() -> tuple[pd.DataFrame, pd.DataFrame]:
     strip = BackgroundGrid(shape=(40, 20), cell_size=1.0, origin=(0.0, 0.0))
     examples = [
         mesh_example("diagonal gap", diagonal_gap(1.0, 33.0, 12), square, policy=policy),
-        mesh_example("wedge", [wedge((0.3, 0.7), 8.0, 22.0, 39.0)], strip, policy=policy),
+        mesh_example("wedge", [wedge((0.3, 0.7), 5.0, 27.0, 38.0)], strip, policy=policy),
     ]
     shapes, facts = zip(*examples, strict=True)
     return pd.concat(shapes, ignore_index=True), pd.DataFrame(facts)

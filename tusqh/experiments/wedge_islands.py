@@ -21,7 +21,7 @@ from tusqh.experiments.polygon_areas import exact_fractions
 from tusqh.grid import QUAD_CORNERS, BackgroundGrid, BoolArray
 
 APEX = (0.3, 0.7)
-DEGREES, TURN, LENGTH = 8.0, 22.0, 30.0
+DEGREES, TURN, LENGTH = 4.0, 22.0, 40.0
 
 #: Grids per halving of the cell size.
 GRIDS_PER_HALVING = 4
