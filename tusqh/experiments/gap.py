@@ -49,7 +49,7 @@ def sample_distances(normal: FloatArray, samples: int) -> FloatArray:
     return points @ np.asarray(normal, dtype=np.float64)
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def fraction_below(t: float, normal: FloatArray) -> float:
     """Return the fraction of the unit cube around the origin with ``n . x < t``.
 
@@ -79,7 +79,7 @@ def fraction_below(t: float, normal: FloatArray) -> float:
     return min(max(total / product, 0.0), 1.0)
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def fraction_in_gap(u: float, width: float, normal: FloatArray) -> float:
     """Return which fraction of a cell, its centre at signed distance `u`, the gap fills.
 
@@ -90,7 +90,7 @@ def fraction_in_gap(u: float, width: float, normal: FloatArray) -> float:
     return fraction_below(width / 2 - u, normal) - fraction_below(-width / 2 - u, normal)
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def critical_width(u: float, normal: FloatArray, distances: FloatArray) -> float:
     """Return the width up to which the gap leaves at least half of a cell.
 
@@ -115,7 +115,8 @@ def critical_width(u: float, normal: FloatArray, distances: FloatArray) -> float
     0.707106781
     """
     if len(distances):
-        return float(2.0 * np.sort(np.abs(u + distances))[len(distances) // 2])
+        away: FloatArray = np.sort(np.abs(u + distances))
+        return 2.0 * away[len(distances) // 2]  # type: ignore[no-any-return]
     u = abs(u)
     half_extent = normal.sum() / 2
     if u >= half_extent / 2:  # One side of the gap passes through the centre, the other misses.

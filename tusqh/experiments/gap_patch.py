@@ -27,7 +27,7 @@ import numpy as np
 from numba import njit, prange
 
 from tusqh.experiments.gap import critical_width
-from tusqh.grid import FloatArray
+from tusqh.grid import FloatArray, IntArray
 
 #: What joins cells; the position in this tuple is the last index of the widths below.
 RULES = ("touching", "faces", "filtration", "sub-cells")
@@ -84,7 +84,7 @@ def measure_widths(
     return widths[..., _CLOSED_BY], widths[..., _OPEN_BY]
 
 
-@njit(cache=True, parallel=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, parallel=True)
 def _measure(
     normals: FloatArray, offsets: FloatArray, distances: FloatArray, length: int
 ) -> FloatArray:
@@ -97,7 +97,7 @@ def _measure(
     return widths
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _measure_patch(
     normal: FloatArray, offset: float, distances: FloatArray, length: int, widths: FloatArray
 ) -> None:
@@ -129,9 +129,9 @@ def _measure_patch(
         widths[rule, _CLOSED_BY], widths[rule, _OPEN_BY] = _bottleneck(dim, first, distance, width)
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _apply_rule(
-    rule: int, dim: int, first: FloatArray, distance: FloatArray, own: FloatArray
+    rule: int, dim: int, first: IntArray, distance: FloatArray, own: FloatArray
 ) -> FloatArray:
     """Return the critical widths of all places under a rule; those of the cells are their own.
 
@@ -168,9 +168,9 @@ def _apply_rule(
     return width
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
+@njit(cache=True)
 def _bottleneck(
-    dim: int, first: FloatArray, distance: FloatArray, width: FloatArray
+    dim: int, first: IntArray, distance: FloatArray, width: FloatArray
 ) -> tuple[float, float]:
     """Return the smallest width of a patch, and the largest at which its two sides are joined.
 
@@ -223,8 +223,8 @@ def _bottleneck(
     return smallest, 0.0
 
 
-@njit(cache=True)  # type: ignore[untyped-decorator]
-def _root(parent: FloatArray, node: int) -> int:
+@njit(cache=True)
+def _root(parent: IntArray, node: int) -> int:
     while parent[node] != node:
         parent[node] = parent[parent[node]]
         node = parent[node]

@@ -60,8 +60,8 @@ def list_configurations(dim: int) -> list[BoolArray]:
                 for flip in flips
             )
         )
-    cells = [_cells_of(code, dim) for code in smallest]
-    return sorted(cells, key=lambda c: (c.sum(), _code_of(c)))
+    configurations = [_cells_of(code, dim) for code in smallest]
+    return sorted(configurations, key=lambda c: (c.sum(), _code_of(c)))
 
 
 def tabulate_catalogue() -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -133,8 +133,8 @@ _STAIRS = np.array(
 def resolve_series() -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return facts and shapes of pinches in series: two clusters of adjacent pinches.
 
-    All vote to separate, all to connect, one cluster each way (`both`), and in the last three
-    panels every other pinch votes otherwise, which the policy for mixed clusters settles.
+    As they are, all voting to separate, all to connect, one cluster each way (`both`), and in the
+    last two panels every other pinch votes otherwise, which the policy for mixed clusters settles.
     """
     grid = BackgroundGrid(shape=_STAIRS.shape, cell_size=1.0, origin=(0.0, 0.0))
     pinches = find_pinches(_STAIRS)
@@ -142,17 +142,18 @@ def resolve_series() -> tuple[pd.DataFrame, pd.DataFrame]:
     left, every_other = x < pinches.shape[0] / 2, (x + y) % 2 == 0
     everywhere = np.ones_like(pinches)
     trials: list[tuple[str, BoolArray, MixedPinches]] = [
+        ("raw", ~everywhere, "separate"),
         ("separated", ~everywhere, "separate"),
         ("connected", everywhere, "separate"),
         ("both", left, "separate"),
         ("mixed: separate", every_other, "separate"),
         ("mixed: connect", every_other, "connect"),
-        ("mixed: majority", every_other, "majority"),
     ]
     facts, shapes = [], []
     for panel, votes, policy in trials:
         decisions = decide_by_vote(pinches, votes, mixed_pinches=policy)
-        mesh, _ = resolve(_STAIRS, decisions, grid, name=panel)
+        is_raw = panel == "raw"
+        mesh = raw_mesh(_STAIRS) if is_raw else resolve(_STAIRS, decisions, grid, name=panel)[0]
         facts.append(
             {
                 "panel": panel,

@@ -102,9 +102,7 @@ def _fill(polygons: Sequence[Polygon], grid: BackgroundGrid, parts: int) -> Floa
         corners = np.array(polygon, dtype=np.float64) - grid.origin
         low = np.clip(np.floor(corners.min(axis=0) / size), 0, filled.shape).astype(int)
         high = np.clip(np.ceil(corners.max(axis=0) / size), 0, filled.shape).astype(int)
-        x, y = (
-            o + size * np.arange(a, b) for o, a, b in zip(grid.origin, low, high, strict=True)
-        )
+        x, y = (o + size * np.arange(a, b) for o, a, b in zip(grid.origin, low, high, strict=True))
         area = area_in_boxes(polygon, x[:, None], y[None, :], size)
         filled[low[0] : high[0], low[1] : high[1]] += area / size**2
     return filled

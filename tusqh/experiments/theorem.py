@@ -9,7 +9,6 @@ the *window*, it depends: on the offset or the orientation, or along the gap its
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -207,9 +206,10 @@ def tabulate_windows(widths: Widths, samples: int) -> pd.DataFrame:
             )
     table = pd.DataFrame(rows)
     if dim == 2:
-        claimed = [CLAIMED[rule][end == "upper"] for rule, end in zip(
-            table["scheme"], table["end"], strict=True
-        )]
+        claimed = [
+            CLAIMED[rule][end == "upper"]
+            for rule, end in zip(table["scheme"], table["end"], strict=True)
+        ]
         table["claimed"] = np.round(claimed, 6)
         table["difference"] = (table["found"] - table["claimed"]).round(6)
     return table
@@ -230,9 +230,10 @@ def list_contradictions(sweep: pd.DataFrame) -> pd.DataFrame:
     is_beyond = (sweep["width"] > upper) | (strict & (sweep["width"] == upper))
     too_late = is_beyond & (sweep["open"] < n_offsets)
     rows = sweep[too_early | too_late].copy()
-    rows["why"] = [_explain(*row) for row in zip(
-        rows["method"], rows["scheme"], rows["width"], rows["degrees"], strict=True
-    )]
+    rows["why"] = [
+        _explain(*row)
+        for row in zip(rows["method"], rows["scheme"], rows["width"], rows["degrees"], strict=True)
+    ]
     return rows.reset_index(drop=True)
 
 
@@ -267,9 +268,9 @@ def _look_closer(
             places = np.unique(_into_range(place + around.reshape(-1, len(place))), axis=0)
             closer = measure(places, offset + steps * spread[1], samples)
             new = (closer.closing if sign < 0 else closer.opening)[:, :, rule]
-            i, k = np.unravel_index(int((sign * new).argmax()), new.shape)
-            if sign * new[i, k] > sign * best:
-                best, place, offset = float(new[i, k]), places[i], float(closer.offsets[k])
+            at = np.unravel_index(int((sign * new).argmax()), new.shape)
+            if sign * new[at] > sign * best:
+                best, place, offset = float(new[at]), places[at[0]], float(closer.offsets[at[1]])
             spread = [s / 2 for s in spread]
         found.append((best, place, offset % 1.0))
     return max(found, key=lambda end: sign * end[0])
@@ -293,10 +294,25 @@ def _name_places(places: FloatArray) -> pd.DataFrame:
 
 
 def sweep_methods(
-    places: FloatArray, offsets: FloatArray, tabulate: Callable[[Widths, int], pd.DataFrame]
-) -> pd.DataFrame:
-    """Return a table over all ways to measure fractions of the dimension of `places`."""
-    dim = places.shape[1] + 1
-    return pd.concat(
-        [tabulate(measure(places, offsets, s), s) for s in SAMPLES[dim]], ignore_index=True
-    )
+    places: FloatArray, offsets: FloatArray, gap_widths: FloatArray
+) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
+    """Return orientations, sweep and windows, for every way to measure fractions.
+
+    Parameters
+    ----------
+    places
+        Orientations, see `Widths`.
+    offsets
+        Over a period, in cell sizes.
+    gap_widths
+        Widths of the sweep, in cell sizes.
+    """
+    orientations, sweeps, windows = [], [], []
+    for samples in SAMPLES[places.shape[1] + 1]:
+        widths = measure(places, offsets, samples)
+        orientations.append(tabulate_orientations(widths, samples))
+        sweeps.append(tabulate_sweep(widths, gap_widths, samples))
+        windows.append(tabulate_windows(widths, samples))
+    tables = (pd.concat(t, ignore_index=True) for t in (orientations, sweeps, windows))
+    first, second, third = tables
+    return first, second, third

@@ -74,9 +74,7 @@ def grid_of(case: str, level: int) -> BackgroundGrid:
     """Return the unit grid over a case, refined `level` times; the origin is a grid vertex."""
     n = 2**level
     low = -2 if case == "both" else 0
-    return BackgroundGrid(
-        shape=(3 * n, (1 - low) * n), cell_size=1 / n, origin=(-1.0, float(low))
-    )
+    return BackgroundGrid(shape=(3 * n, (1 - low) * n), cell_size=1 / n, origin=(-1.0, float(low)))
 
 
 def corner_fraction(thirds: int, level: int) -> Fraction:
@@ -98,9 +96,7 @@ def refine(n_refinements: int) -> pd.DataFrame:
     kept cells, which have no pinches; `sub_cell_components` and `sub_cell_holes` those of the
     mesh with all sub-cells and bridges, up to 7 refinements.
     """
-    return pd.DataFrame(
-        [_row(case, level) for case in CASES for level in range(n_refinements + 1)]
-    )
+    return pd.DataFrame([_row(case, level) for case in CASES for level in range(n_refinements + 1)])
 
 
 def _row(case: str, level: int) -> dict[str, Any]:

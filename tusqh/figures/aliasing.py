@@ -53,19 +53,29 @@ def draw_axis_gap(sweep: pd.DataFrame, shapes: pd.DataFrame) -> Figure:
         rows = sweep[sweep["scheme"] == rule].sort_values("offset")
         _draw_outcomes(panel, rows)
         panel.set_title(title, fontsize=9)
-        widths = [c.removeprefix("components_") for c in sweep if c.startswith("components_")]
+        widths = [c[11:] for c in map(str, sweep.columns) if c.startswith("components_")]
         if rule == "filtration":  # What the built meshes have, on top of the bands.
             for width in widths:
                 found = rows[f"components_{width}"] == 2
                 for is_open, marker in ((True, "o"), (False, "x")):
                     at = rows["offset"][found == is_open][::2]
-                    panel.plot(at, np.full(len(at), float(width)), marker, ms=3, mfc="none",
-                               color="black", mew=0.7)
+                    panel.plot(
+                        at,
+                        np.full(len(at), float(width)),
+                        marker,
+                        ms=3,
+                        mfc="none",
+                        color="black",
+                        mew=0.7,
+                    )
         else:
             for width in widths:
                 panel.axhline(float(width), color="black", linewidth=0.7, linestyle=":")
-    handles = [Patch(fc=c, ec="#888888", label=name) for name, c in OUTCOME_COLOURS.items()
-               if name != DEPENDS]
+    handles = [
+        Patch(fc=c, ec="#888888", label=name)
+        for name, c in OUTCOME_COLOURS.items()
+        if name != DEPENDS
+    ]
     handles += legend_of(shapes)  # type: ignore[arg-type]
     figure.legend(handles=handles, loc="outside lower center", ncols=6, frameon=False, fontsize=8)
     figure.suptitle(

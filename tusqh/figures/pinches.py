@@ -28,7 +28,11 @@ def draw_catalogue(facts: pd.DataFrame, elements: pd.DataFrame) -> Figure:
             title = f"{stage}\n$\\beta$ = ({betti}{', ' + str(fact['voids']) if dim == 3 else ''})"
             if stage == "raw":
                 edges = int(fact["pinch_edges"])
-                title = "2D vertex\n" if dim == 2 else f"case {case}: {edges} pinch\nedges"
+                title = (
+                    "2D vertex\n"
+                    if dim == 2
+                    else f"case {case}: {edges} pinch\nedge{'s' * (edges != 1)}"
+                )
             corners = chosen.filter(regex=r"^[xyz]\d$").to_numpy().reshape(-1, 8, 3)
             if dim == 2:
                 colours = [FILLS[kind] for kind in chosen["kind"]]
@@ -47,11 +51,9 @@ def draw_catalogue(facts: pd.DataFrame, elements: pd.DataFrame) -> Figure:
                 panel.set_title(title, fontsize=9)
                 continue
             kind = np.array([KINDS.index(name) for name in chosen["kind"]])
-            points, cells = np.unique(
-                corners.reshape(-1, 3).round(9), axis=0, return_inverse=True
-            )
+            points, cells = np.unique(corners.reshape(-1, 3).round(9), axis=0, return_inverse=True)
             mesh = VolumeMesh(points, cells.reshape(-1, 8), kind, kind * 0 - 1)
-            look = {"show_edges": True, "edge_color": "#203040", "line_width": 1.5}
+            look = {"show_edges": True, "edge_color": "#203040", "line_width": 1.5, "ambient": 0.45}
             surface = surface_of(mesh)
             picture = render(surface, _BOX, size=(360, 360), scalars="rgb", rgb=True, **look)
             show(panel, picture, title)
@@ -64,9 +66,7 @@ def _rows(table: pd.DataFrame, dim: int, case: int, stage: str) -> pd.DataFrame:
     return table[of_case & (table["stage"] == stage)]
 
 
-def draw_panels(
-    facts: pd.DataFrame, shapes: pd.DataFrame, *, columns: int, title: str
-) -> Figure:
+def draw_panels(facts: pd.DataFrame, shapes: pd.DataFrame, *, columns: int, title: str) -> Figure:
     """Return panels of meshes with their measured Betti numbers, as many in a row as wanted."""
     n_rows = -(-len(facts) // columns)
     figure, axes = style.new_figure(n_rows, columns, width=4.4 * columns, height=2.1 * n_rows + 1)

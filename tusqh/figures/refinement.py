@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -68,10 +70,24 @@ def _draw_betti(axes: Axes, of_case: pd.DataFrame) -> None:
     level = of_case["refinements"]
     axes.step(level, of_case["components"], where="mid", color="C0", label=r"$\beta_0$, cells")
     axes.step(level, of_case["holes"], where="mid", color="C1", label=r"$\beta_1$, cells")
-    axes.plot(level, of_case["sub_cell_components"], "o", mfc="none", color="C0", markersize=5,
-              label=r"$\beta_0$, mesh")
-    axes.plot(level, of_case["sub_cell_holes"], "s", mfc="none", color="C1", markersize=5,
-              label=r"$\beta_1$, mesh")
+    axes.plot(
+        level,
+        of_case["sub_cell_components"],
+        "o",
+        mfc="none",
+        color="C0",
+        markersize=5,
+        label=r"$\beta_0$, mesh",
+    )
+    axes.plot(
+        level,
+        of_case["sub_cell_holes"],
+        "s",
+        mfc="none",
+        color="C1",
+        markersize=5,
+        label=r"$\beta_1$, mesh",
+    )
     axes.set_ylim(-0.3, 3.1)
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
@@ -80,8 +96,12 @@ def _draw_betti(axes: Axes, of_case: pd.DataFrame) -> None:
     axes.legend(fontsize=7, frameon=False, loc="upper right", ncols=2)
 
 
-def draw_wedge_islands(components: pd.DataFrame, grids: pd.DataFrame) -> Figure:
-    """Return where the components lie on every grid, linked to what they continue; their number."""
+def draw_wedge_islands(components: pd.DataFrame, grids: pd.DataFrame, *, degrees: float) -> Figure:
+    """Return where the components lie on every grid, linked to what they continue; their number.
+
+    `degrees` is the opening angle of the wedge.
+    """
+    cotangent = 1 / math.tan(math.radians(degrees))
     figure, (row,) = style.new_figure(1, 2, width=13.0, height=5.4)
     tracks, counts = row
     last: pd.DataFrame | None = None
@@ -90,33 +110,72 @@ def draw_wedge_islands(components: pd.DataFrame, grids: pd.DataFrame) -> Figure:
         size = table["cell_size"]
         for is_main, colour in ((True, style.MATERIAL), (False, style.CONNECTING)):
             chosen = table["is_main"] == is_main
-            tracks.hlines(size[chosen], table["start"][chosen], table["stop"][chosen],
-                          color=colour, linewidth=4)
+            tracks.hlines(
+                size[chosen],
+                table["start"][chosen],
+                table["stop"][chosen],
+                color=colour,
+                linewidth=4,
+            )
         if last is not None:
             linked = table[table["continues"] >= 0]
             before = last.iloc[linked["continues"]]
-            ends = [np.sqrt(t["start"] * np.minimum(t["stop"], 3 * t["start"])) for t in
-                    (linked, before)]
+            ends = [
+                t["start"].where(t["is_main"], np.sqrt(t["start"] * t["stop"]))
+                for t in (linked, before)
+            ]
             for x1, x0 in zip(*ends, strict=True):
-                tracks.plot([x0, x1], [last["cell_size"].iloc[0], size.iloc[0]], color="#777777",
-                            linewidth=0.7, zorder=3)
+                tracks.plot(
+                    [x0, x1],
+                    [last["cell_size"].iloc[0], size.iloc[0]],
+                    color="#777777",
+                    linewidth=0.7,
+                    zorder=3,
+                )
         last = table
     tracks.set_xscale("log")
     tracks.set_yscale("log", base=2)
     tracks.invert_yaxis()
     tracks.set_xlabel("distance from the apex [-]")
-    tracks.set_ylabel("cell size [-], finer downwards")
+    tracks.set_ylabel("cell size [-], finer upwards")
     tracks.set_title("islands (red) and main body (blue), linked to what they continue", fontsize=9)
-    counts.step(grids["cell_size"], grids["islands"], where="mid", color=style.CONNECTING,
-                label="islands of cells joined by faces")
-    counts.step(grids["cell_size"], grids["islands_of_mesh"], where="mid", color="C0",
-                label="islands of the anti-aliased mesh")
-    counts.plot(grids["cell_size"], grids["last_in_cells"], ".", color="#777777",
-                label="end of the last island [cells from the apex]")
+    counts.step(
+        grids["cell_size"],
+        grids["islands"],
+        where="mid",
+        color=style.CONNECTING,
+        label="islands of cells joined by faces",
+    )
+    counts.step(
+        grids["cell_size"],
+        grids["islands_of_mesh"],
+        where="mid",
+        color="C0",
+        label="islands of the anti-aliased mesh",
+    )
+    for end, marker in (("first", "v"), ("last", "^")):
+        counts.plot(
+            grids["cell_size"],
+            grids[f"{end}_in_cells"],
+            marker,
+            color="#777777",
+            markersize=4,
+            label=f"{'begin' if end == 'first' else 'end'} of the islands [cells from the apex]",
+        )
+    counts.axhspan(
+        cotangent / 2,
+        cotangent,
+        color="#999933",
+        alpha=0.25,
+        linewidth=0,
+        label=r"the paper's $[1/2, 1] \cot\,\alpha$ [cells from the apex]",
+    )
     counts.set_xscale("log", base=2)
     counts.invert_xaxis()
     counts.set_xlabel("cell size [-], finer to the right")
-    counts.set_ylabel("number, or distance in cells")
+    counts.set_ylabel("number [-], or distance [cells]")
+    counts.yaxis.set_major_locator(MaxNLocator(integer=True))
+    counts.set_ylim(-0.5, 27)
     counts.legend(fontsize=8, frameon=False)
     figure.suptitle("A wedge under refinement: its archipelago moves to the apex and never goes")
     return figure

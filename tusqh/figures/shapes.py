@@ -32,7 +32,10 @@ def draw_shapes(axes: Axes, shapes: pd.DataFrame, title: str) -> None:
     for shape, fill in FILLS.items():
         axes.add_collection(
             PolyCollection(
-                _whole(corners[kind == shape]), facecolors=fill, edgecolors="#406070", linewidths=0.4
+                _whole(corners[kind == shape]),
+                facecolors=fill,
+                edgecolors="#406070",
+                linewidths=0.4,
             )
         )
     axes.add_collection(
@@ -61,17 +64,25 @@ def draw_shapes(axes: Axes, shapes: pd.DataFrame, title: str) -> None:
 def legend_of(shapes: pd.DataFrame) -> list[Patch | Line2D]:
     """Return the handles of everything that a table of shapes has."""
     present = set(shapes["shape"])
+    names = {fill: shape for shape, fill in reversed(FILLS.items()) if shape in present}
     handles: list[Patch | Line2D] = [
-        Patch(color=fill, label=shape)
-        for shape, fill in FILLS.items()
-        if shape in present and shape != KINDS[INNER_CELL]
+        Patch(color=fill, label=KEPT if fill == style.MATERIAL else names[fill])
+        for fill in dict.fromkeys(FILLS.values())
+        if fill in names
     ]
     if INTERIOR_EDGE in present:
         handles.append(Line2D([], [], color=style.INTERIOR_EDGE, label=INTERIOR_EDGE))
     if INTERIOR_VERTEX in present:
         handles.append(
-            Line2D([], [], ls="", marker="o", mfc="white", color=style.INTERIOR_VERTEX,
-                   label=INTERIOR_VERTEX)
+            Line2D(
+                [],
+                [],
+                ls="",
+                marker="o",
+                mfc="white",
+                color=style.INTERIOR_VERTEX,
+                label=INTERIOR_VERTEX,
+            )
         )
     if GEOMETRY in present:
         handles.append(Line2D([], [], color=style.REMOVED, label=GEOMETRY))

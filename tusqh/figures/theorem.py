@@ -98,8 +98,12 @@ def draw_windows(windows: pd.DataFrame) -> Figure:
         panel.set_xlabel("samples along the side of a cell")
         panel.set_ylabel(r"end of the window $L/\ell$ [-]")
         panel.set_title("half-planes" if dim == 2 else "half-spaces: a plane gap in 3D", fontsize=9)
-        bounds = {r"$\sqrt{2}-1$": math.sqrt(2) - 1, r"$1/2$": ORIENTATION_LIMIT,
-                  r"$\sqrt{2}/2$": math.sqrt(0.5), "$1$": 1.0}
+        bounds = {
+            r"$\sqrt{2}-1$": math.sqrt(2) - 1,
+            r"$1/2$": ORIENTATION_LIMIT,
+            r"$\sqrt{2}/2$": math.sqrt(0.5),
+            "$1$": 1.0,
+        }
         if dim == 3:
             bounds = {r"$\sqrt{3}/2$": math.sqrt(3) / 2, "$1$": 1.0, r"$\sqrt{3}$": math.sqrt(3)}
         for name, bound in bounds.items():
