@@ -118,7 +118,7 @@ def critical_width(u: float, normal: FloatArray, distances: FloatArray) -> float
         away: FloatArray = np.sort(np.abs(u + distances))
         return 2.0 * away[len(distances) // 2]  # type: ignore[no-any-return]
     u = abs(u)
-    half_extent = normal.sum() / 2
+    half_extent = float(normal.sum()) / 2
     if u >= half_extent / 2:  # One side of the gap passes through the centre, the other misses.
         return 2.0 * u
     low, high = u, half_extent + u

@@ -117,6 +117,10 @@ def draw_wedge_islands(components: pd.DataFrame, grids: pd.DataFrame, *, degrees
                 color=colour,
                 linewidth=4,
             )
+        islands = table[~table["is_main"]]  # A notch where one begins: some touch at a corner.
+        tracks.plot(
+            islands["start"], islands["cell_size"], "|", color="white", markersize=6, zorder=4
+        )
         if last is not None:
             linked = table[table["continues"] >= 0]
             before = last.iloc[linked["continues"]]
