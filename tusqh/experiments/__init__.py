@@ -1,1 +1,1 @@
-"""The paper's claims as experiments: arrays in, tables out."""
+"""The paper's claims and our own, measured: one module per experiment, tables out."""

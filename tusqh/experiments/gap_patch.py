@@ -16,9 +16,12 @@ dimensions alone::
 
     touching   the largest of the cells around: cells as closed sets, pinches join
     faces      the smallest of the cells around: only whole shared faces join
-    filtration the paper's complex and our meshes: a face when both its cells are kept, edges (3D)
-               and vertices their own, clamped to the range of the cells around
+    filtration the paper's complex: a face when both its cells are kept, edges (3D) and vertices
+               their own, clamped to the range of the cells around
     sub-cells  all their own: what the proof of the theorem looks at
+
+In the plane our meshes are as the filtration (`tusqh.experiments.gap_meshes`); in space the edges
+and vertices of a cluster of pinches may disagree, and the policy for mixed clusters decides.
 """
 
 from __future__ import annotations

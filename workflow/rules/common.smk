@@ -17,7 +17,7 @@ THEORY = expand(
     "results/figures/{figure}.png",
     figure=["pinches", "pinches_in_series", "connecting_edges", "aliasing", "axis_gap"]
     + ["theorem_map", "theorem_windows", "theorem_space", "two_triangles", "wedge_islands"],
-) + ["results/tables/theorem_contradictions.csv"]
+) + ["results/tables/theorem_contradictions.csv", "results/tables/gap_meshes.csv"]
 EXPORTS = ["mesh.mesh", "mesh.msh", "mesh.exo", "mesh.inp"]
 
 try:

@@ -121,6 +121,23 @@ rule theorem_space:
         "../scripts/theorem_space.py"
 
 
+rule gap_meshes:
+    output:
+        table=report("results/tables/gap_meshes.csv", "../report/gap_meshes.rst", category="Theory"),
+        record="results/provenance/gap_meshes.json",
+        record_how="results/provenance/gap_meshes.how.json",
+    params:
+        trials=100,
+        samples=[0, 2, 4, 8],
+        seed=7,
+    log:
+        "results/tables/logs/gap_meshes.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/gap_meshes.py"
+
+
 rule figure_theorem:
     input:
         orientations="results/tables/theorem_orientations.csv",
