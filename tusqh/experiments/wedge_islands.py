@@ -113,6 +113,6 @@ def _count(table: pd.DataFrame, last: pd.DataFrame | None, after: int) -> dict[s
         "islands_of_mesh": after - 1,
         "first_in_cells": float(islands["start"].min() / size),
         "last_in_cells": float(islands["stop"].max() / size),
-        "born": int((table["continues"] == -1).sum()),
+        "born": 0 if last is None else int((table["continues"] == -1).sum()),
         "gone": 0 if last is None else sum(k not in continued for k in range(len(last))),
     }

@@ -19,7 +19,7 @@ from tusqh.figures.aliasing import CLOSED, DEPENDS, OPEN, OUTCOME_COLOURS
 TITLES = {
     "touching": "cells that touch",
     "faces": "cells joined by faces",
-    "filtration": "filtration (the mesh)",
+    "filtration": "the paper's filtration",
     "sub-cells": "sub-cells alone",
 }
 _LINES = {"touching": "s", "faces": "o", "filtration": "^", "sub-cells": "D"}
@@ -53,7 +53,7 @@ def draw_map(sweep: pd.DataFrame, orientations: pd.DataFrame) -> Figure:
         Line2D([], [], color="black", label="closed form"),
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=5, frameon=False)
-    figure.suptitle("A gap between half-planes, threshold 1/2")
+    figure.suptitle("A gap between half-planes, threshold 1/2; meshes are as the filtration")
     return figure
 
 
