@@ -18,7 +18,7 @@ rule all:
         "results/tables/summary.md",
         "results/tables/verification.csv",
         figures_of_all_models(),
-        "results/figures/pinches.png",
+        THEORY,
         expand("results/{model}/export/{file}", model=MODELS, file=EXPORTS),
         expand("results/{model}/simulation/concentration.pvd", model=MODELS),
         expand("results/{model}/defects.csv", model=MODELS),
@@ -32,3 +32,4 @@ include: "workflow/rules/quality.smk"
 include: "workflow/rules/simulate.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/theory.smk"

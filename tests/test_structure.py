@@ -17,8 +17,8 @@ from tusqh.geometry.files import PACKAGE, locate
 
 LAYERS = [
     *("errors", "atomic", "progress", "grid", "geometry", "sampling", "topology", "meshes"),
-    *("antialias", "threshold", "simulate", "quality", "figures", "tables", "provenance"),
-    *("certificate", "config", "cli", "__main__"),
+    *("antialias", "threshold", "simulate", "quality", "experiments", "figures", "tables"),
+    *("provenance", "certificate", "config", "cli", "__main__"),
 ]
 
 

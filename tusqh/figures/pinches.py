@@ -1,85 +1,81 @@
-"""The eleven pinch configurations of eight cells, raw, separated and connected."""
+"""The pinches and their templates: the catalogue, pinches in series, connecting edges."""
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure
 
-from tusqh.antialias.clusters import decide_by_vote
-from tusqh.antialias.pinches import find_pinches, pinch_table
-from tusqh.antialias.resolve import resolve
+from tusqh.experiments.pinch_catalogue import STAGES
 from tusqh.figures import style
 from tusqh.figures.rendering import render, show, surface_of
-from tusqh.grid import HEX_CORNERS, BackgroundGrid, BoolArray
-from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.figures.shapes import FILLS, draw_shapes, legend_of
+from tusqh.meshes.volume_mesh import KINDS, VolumeMesh
+
+_BOX = ((0.0, 0.0, 0.0), (2.0, 2.0, 2.0))
 
 
-def list_configurations() -> list[BoolArray]:
-    """Return one neighbourhood of 2 x 2 x 2 cells for each kind of pinch, by rising cell count.
-
-    Kinds that a rotation or reflection turns into each other are one.
-
-    >>> len(list_configurations())
-    11
-    """
-    smallest = set()
-    for code in np.flatnonzero(pinch_table(3)):
-        cells = _cells_of(int(code))
-        smallest.add(
-            min(
-                _code_of(cells.transpose(axes)[flips])
-                for axes in itertools.permutations(range(3))
-                for flips in itertools.product((slice(None), slice(None, None, -1)), repeat=3)
-            )
-        )
-    return sorted(map(_cells_of, smallest), key=lambda cells: (cells.sum(), _code_of(cells)))
-
-
-def draw_pinches() -> Figure:
+def draw_catalogue(facts: pd.DataFrame, elements: pd.DataFrame) -> Figure:
     """Return one column per configuration: the cells, then the real meshes of both decisions."""
-    configurations = list_configurations()
-    figure, axes = style.new_figure(3, len(configurations), width=17.0, height=5.6)
-    grid = BackgroundGrid(shape=(2, 2, 2), cell_size=1.0, origin=(0.0, 0.0, 0.0))
-    box = ((0.0, 0.0, 0.0), (2.0, 2.0, 2.0))
-    for column, kept in enumerate(configurations):
-        pinches = find_pinches(kept)
-        meshes = [_raw(kept)]
-        for connect in (False, True):
-            decisions = decide_by_vote(pinches, np.full(pinches.shape, connect))
-            meshes.append(resolve(kept, decisions, grid, name="pinch")[0])
-        names = (f"case {column + 1}", "separated", "connected")
-        for row, (mesh, title) in enumerate(zip(meshes, names, strict=True)):
-            picture = render(
-                surface_of(mesh),
-                box,
-                size=(360, 360),
-                scalars="rgb",
-                rgb=True,
-                show_edges=True,
-                edge_color="#203040",
-                line_width=1.5,
-            )
-            show(axes[row, column], picture, title)
-    figure.suptitle("The pinches of eight cells, and the templates that resolve them")
+    cases = facts[["dimension", "case"]].drop_duplicates().to_numpy()
+    figure, axes = style.new_figure(3, len(cases), width=18.0, height=5.4)
+    for column, (dim, case) in enumerate(cases):
+        for row, stage in enumerate(STAGES):
+            panel = axes[row, column]
+            chosen = _rows(elements, dim, case, stage)
+            fact = _rows(facts, dim, case, stage).iloc[0]
+            betti = f"{fact['components']}, {fact['holes']}"
+            title = f"{stage}\n$\\beta$ = ({betti}{', ' + str(fact['voids']) if dim == 3 else ''})"
+            if stage == "raw":
+                edges = int(fact["pinch_edges"])
+                title = (
+                    "2D vertex\n"
+                    if dim == 2
+                    else f"case {case}: {edges} pinch\nedge{'s' * (edges != 1)}"
+                )
+            corners = chosen.filter(regex=r"^[xyz]\d$").to_numpy().reshape(-1, 8, 3)
+            if dim == 2:
+                colours = [FILLS[kind] for kind in chosen["kind"]]
+                quads = corners[:, :4, :2]
+                style.draw_polygons(
+                    panel,
+                    quads.reshape(-1, 2),
+                    np.arange(4 * len(quads)).reshape(-1, 4),
+                    colour=colours,
+                    line_width=0.8,
+                )
+                panel.set_xlim(-0.3, 2.3)
+                panel.set_ylim(-0.3, 2.3)
+                panel.set_aspect("equal")
+                panel.set_axis_off()
+                panel.set_title(title, fontsize=9)
+                continue
+            kind = np.array([KINDS.index(name) for name in chosen["kind"]])
+            points, cells = np.unique(corners.reshape(-1, 3).round(9), axis=0, return_inverse=True)
+            mesh = VolumeMesh(points, cells.reshape(-1, 8), kind, kind * 0 - 1)
+            look = {"show_edges": True, "edge_color": "#203040", "line_width": 1.5, "ambient": 0.45}
+            surface = surface_of(mesh)
+            picture = render(surface, _BOX, size=(360, 360), scalars="rgb", rgb=True, **look)
+            show(panel, picture, title)
+    figure.suptitle("The pinch of the plane and the eleven of space, and what the templates make")
     return figure
 
 
-def _cells_of(code: int) -> BoolArray:
-    """Return the cells of a neighbourhood code, indexed [i, j, k]."""
-    bits = np.array([code >> bit & 1 for bit in range(8)], dtype=bool)
-    return bits.reshape(2, 2, 2).transpose(2, 1, 0)
+def _rows(table: pd.DataFrame, dim: int, case: int, stage: str) -> pd.DataFrame:
+    of_case = (table["dimension"] == dim) & (table["case"] == case)
+    return table[of_case & (table["stage"] == stage)]
 
 
-def _code_of(cells: BoolArray) -> int:
-    bits = cells.transpose(2, 1, 0).ravel()
-    return int(sum(1 << bit for bit in range(8) if bits[bit]))
-
-
-def _raw(kept: BoolArray) -> VolumeMesh:
-    """Return the kept cells as they are, pinch and all."""
-    places = np.argwhere(kept)[:, None] + HEX_CORNERS
-    cells = np.ravel_multi_index(tuple(np.moveaxis(places, -1, 0)), (3, 3, 3))
-    points = np.argwhere(np.ones((3, 3, 3), dtype=bool)).astype(float)
-    return VolumeMesh.from_arrays(points, cells)
+def draw_panels(facts: pd.DataFrame, shapes: pd.DataFrame, *, columns: int, title: str) -> Figure:
+    """Return panels of meshes with their measured Betti numbers, as many in a row as wanted."""
+    n_rows = -(-len(facts) // columns)
+    figure, axes = style.new_figure(n_rows, columns, width=4.4 * columns, height=2.1 * n_rows + 1)
+    for panel, (_, fact) in zip(axes.ravel(), facts.iterrows(), strict=False):
+        name = fact["panel"]
+        betti = rf"$\beta_0$ = {fact['components']}, $\beta_1$ = {fact['holes']}"
+        draw_shapes(panel, shapes[shapes["panel"] == name], f"{name}: {betti}")
+    figure.legend(
+        handles=legend_of(shapes), loc="outside lower center", ncols=7, frameon=False, fontsize=8
+    )
+    figure.suptitle(title)
+    return figure

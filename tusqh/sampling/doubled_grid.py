@@ -47,6 +47,23 @@ def average_half_blocks(slabs: Iterable[FloatArray], lattice: Lattice) -> Multip
     return multiples[:, 0] if lattice.is_plane else multiples
 
 
+def combine_half_blocks(means: FloatArray) -> Multiples:
+    """Return the means over the fictitious cells of means over half-blocks, as multiples.
+
+    Examples
+    --------
+    >>> fractions = combine_half_blocks(np.array([[1.0, 0.0], [1.0, 0.0]])) * RESOLUTION
+    >>> fractions.tolist()
+    [[0.25, 0.25, 0.0], [0.5, 0.5, 0.0], [0.25, 0.25, 0.0]]
+    """
+    is_plane = means.ndim == 2
+    sums = np.pad(means[:, None] if is_plane else means, ((1, 1), (0, 0), (0, 0)))
+    shape = [n + 1 for n in means.shape]
+    multiples = np.empty((shape[0], 1, shape[1]) if is_plane else shape, dtype=np.int32)
+    _round_rows(sums, 1.0 / ((4 if is_plane else 8) * RESOLUTION), multiples)
+    return multiples[:, 0] if is_plane else multiples
+
+
 def average_coverage(lattice: Lattice) -> Multiples:
     """Return the share of samples that count in each fictitious cell, as `average_half_blocks`."""
     pairs = [np.convolve(share, [0.5, 0.5]) for share in lattice.coverage()]

@@ -13,6 +13,11 @@ FIGURES = {
     2: ["thresholds", "diagram", "antialias", "contaminant"],
     3: ["panels", "diagram", "temperature"],
 }
+THEORY = expand(
+    "results/figures/{figure}.png",
+    figure=["pinches", "pinches_in_series", "connecting_edges", "aliasing", "axis_gap"]
+    + ["theorem_map", "theorem_windows", "theorem_space", "two_triangles", "wedge_islands"],
+) + ["results/tables/theorem_contradictions.csv", "results/tables/gap_meshes.csv"]
 EXPORTS = ["mesh.mesh", "mesh.msh", "mesh.exo", "mesh.inp"]
 
 try:

@@ -1,8 +1,19 @@
 from pathlib import Path
 
+import pandas as pd
+
 from tusqh.figures import style
-from tusqh.figures.pinches import draw_pinches
+from tusqh.figures.pinches import draw_catalogue, draw_panels
 from tusqh.provenance.record import recorded
 
 with recorded(snakemake) as log:
-    style.save(draw_pinches(), Path(snakemake.output.figure))
+    tables = {name: pd.read_csv(path) for name, path in snakemake.input.items()}
+    style.save(
+        draw_catalogue(tables["catalogue"], tables["elements"]), Path(snakemake.output.catalogue)
+    )
+    for name, columns, title in (
+        ("series", 3, "Adjacent pinches are resolved the same way"),
+        ("edges", 2, "Interior edges join components"),
+    ):
+        figure = draw_panels(tables[name], tables[f"{name}_shapes"], columns=columns, title=title)
+        style.save(figure, Path(snakemake.output[name]))

@@ -1,0 +1,1 @@
+"""The paper's claims and our own, measured: one module per experiment, tables out."""

@@ -1,0 +1,17 @@
+from pathlib import Path
+
+import numpy as np
+
+from tusqh.experiments.theorem import plane_normals, sweep_methods
+from tusqh.provenance.record import recorded
+from tusqh.tables import write_csv
+
+with recorded(snakemake) as log:
+    low, high, step = snakemake.params.widths
+    widths = np.linspace(low, high, round((high - low) / step) + 1).round(6)
+    offsets = np.arange(snakemake.params.offsets) / snakemake.params.offsets
+    places = plane_normals(snakemake.params.ratios)
+    orientations, sweep, windows = sweep_methods(places, offsets, widths)
+    write_csv(Path(snakemake.output.orientations), orientations.round(9))
+    write_csv(Path(snakemake.output.sweep), sweep)
+    write_csv(Path(snakemake.output.windows), windows)
