@@ -91,7 +91,7 @@ def loose_sheets() -> Soup:
     u, v = rng.normal(size=(2, 1500, 1, 3)) * 0.1
     points = np.concatenate([start, start + u, start + u + v, start + v], axis=1).reshape(-1, 3)
     first = 4 * np.arange(1500)[:, None]
-    return _soup(points, np.concatenate([first + [0, 1, 2], first + [0, 2, 3]]))
+    return _soup(points, np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])]))
 
 
 def _soup(points: FloatArray, triangles: np.ndarray) -> Soup:
