@@ -18,7 +18,7 @@ from tusqh.geometry.files import PACKAGE, locate
 LAYERS = [
     *("errors", "atomic", "progress", "grid", "geometry", "sampling", "topology", "meshes"),
     *("antialias", "threshold", "simulate", "quality", "figures", "tables", "provenance"),
-    *("certificate", "config", "cli", "__main__"),
+    *("certificate", "pipeline", "config", "cli", "__main__"),
 ]
 
 

@@ -116,8 +116,7 @@ def _write_abaqus(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
     text = io.StringIO()
     text.write(f"*HEADING\n{mesh.name}\n*NODE\n")
     number = np.arange(1, len(mesh.points) + 1)
-    points = np.zeros((len(mesh.points), 3))
-    points[:, : mesh.dim] = mesh.points
+    points = mesh.points_in_space()
     np.savetxt(text, np.column_stack([number, points]), fmt=["%d"] + 3 * ["%.17g"], delimiter=", ")
     kind = "CPS4" if mesh.dim == 2 else "C3D8"
     text.write(f"*ELEMENT, TYPE={kind}, ELSET=solid\n")
@@ -139,7 +138,5 @@ def _numbers(dim: int, local: IntArray, of_hex: IntArray) -> IntArray:
 def _to_meshio(mesh: VolumeMesh, facets: list[tuple[str, IntArray]], **data: Any) -> Any:
     import meshio
 
-    points = np.zeros((len(mesh.points), 3))
-    points[:, : mesh.dim] = mesh.points
     cells = [*facets, ("quad" if mesh.dim == 2 else "hexahedron", mesh.cells)]
-    return meshio.Mesh(points, cells, **data)
+    return meshio.Mesh(mesh.points_in_space(), cells, **data)
