@@ -157,6 +157,7 @@ def test_saved_results_hold_their_certificate(tmp_path, result):
         ({"volume": "same"}, ["volume", "match"]),
         ({"components": {"min_cell": 3}}, ["components", "min_cells"]),
         ({"window": ((0, 0, 0), (1, 0, 1))}, ["window", "above the lowest one"]),
+        ({"image": {"voxel": 3}}, ["image", "voxel_size"]),
         ({"window": 3}, ["window", "lowest and its highest"]),
     ],
 )
@@ -171,7 +172,7 @@ def test_bad_arguments_are_explained(arguments, parts):
     ("source", "message"),
     [
         (3.5, "type float is no geometry"),
-        (np.zeros((4, 4)), "type ndarray is no geometry"),
+        (np.zeros((4, 4)), r"shape \(4, 4\)"),
         (([[0, 0, 0]], [[0, 1]]), r"shapes \(1, 3\) and \(1, 2\)"),
         (([[0, 0, "x"]], [[0, 0, 0]]), "not numbers"),
         (([[0, 0], [1, 0]], [[0, 5]]), "out of the range 0 .. 1"),

@@ -26,6 +26,7 @@ _NO_DEFECTS = {
     *("triangles", "parts", "shells", "segments", "chains", "closed_chains", "points"),
     *("counter_clockwise_chains", "clockwise_chains", "signed_area", "signed_volume"),
     *("winding_number_min", "winding_number_max"),
+    *("voxels", "material_voxels", "partial_voxels"),
 }
 
 
@@ -75,7 +76,7 @@ def add_model(
     """
     root = config_file.resolve().parent.parent
     source = locate(geometry)
-    defects = describe(ingest(geometry))
+    defects = describe(ingest(geometry, image=settings.get("image")))
     file = _file_in(root, name, geometry, source)
     entry = {"geometry": file, **settings}
     before = read_yaml(config_file)

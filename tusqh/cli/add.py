@@ -26,6 +26,9 @@ def add(
     domain: options.Domain = "inside",
     rule: options.Rule = "average",
     min_cells: options.MinCells = None,
+    voxel_size: options.VoxelSize = None,
+    empty: options.Empty = None,
+    full: options.Full = None,
     unit: Annotated[str, typer.Option(help="Unit of length of the file.")] = "m",
     licence: Annotated[str, typer.Option(help="What one may do with the file.")] = "unknown",
     origin: Annotated[str, typer.Option(help="Where the file comes from, in words.")] = "",
@@ -60,6 +63,7 @@ def add(
         domain=None if domain == "inside" else domain,
         rule=None if rule == "average" else rule,
         components=None if min_cells is None else {"min_cells": min_cells},
+        image=options.to_image(voxel_size, empty, full),
     )
     if unit != "m":
         settings = {"unit": unit, **settings}

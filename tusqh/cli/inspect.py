@@ -28,6 +28,9 @@ def inspect(
     rule: options.Rule = "average",
     orientation: options.Orientation = "auto",
     min_cells: options.MinCells = None,
+    voxel_size: options.VoxelSize = None,
+    empty: options.Empty = None,
+    full: options.Full = None,
     every: Annotated[
         bool, typer.Option("--all", help=f"List every interval, not the {_ROWS} widest.")
     ] = False,
@@ -61,8 +64,9 @@ def inspect(
         rule=rule,
         orientation=orientation,
         components=None if min_cells is None else {"min_cells": min_cells},
+        image=options.to_image(voxel_size, empty, full),
     )
-    found = ingest(geometry)
+    found = ingest(geometry, image=settings.get("image"))
     show(describe(found), title=f"Defects of {found.name}")
     if defects_only:
         return

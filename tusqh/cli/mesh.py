@@ -52,6 +52,9 @@ def mesh(
     rule: options.Rule = "average",
     orientation: options.Orientation = "auto",
     min_cells: options.MinCells = None,
+    voxel_size: options.VoxelSize = None,
+    empty: options.Empty = None,
+    full: options.Full = None,
     mixed_pinches: Annotated[
         str, typer.Option(help="Adjacent pinches that disagree: separate, connect, majority.")
     ] = "separate",
@@ -95,6 +98,7 @@ def mesh(
                 mixed_pinches=cast(Any, mixed_pinches),
                 bridges=cast(Any, bridges),
                 components=None if min_cells is None else {"min_cells": min_cells},
+                image=options.to_image(voxel_size, empty, full),
                 progress=progress,
             )
     except TopologyError as error:

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import typer
 
 #: What a geometry argument may be.
-FORMATS = "GeoJSON, SVG, DXF, CSV; STL, OBJ, PLY, OFF, GLB, VTK"
+FORMATS = "GeoJSON, SHP, SVG, DXF, CSV; STL, OBJ, PLY, OFF, GLB, VTK; NPY, TIFF, NRRD"
 
 
 def to_betti(text: str) -> list[Any]:
@@ -128,3 +128,20 @@ Orientation = Annotated[
     str, typer.Option(help="auto turns geometries that are inside out; as-is; flip.")
 ]
 MinCells = Annotated[int | None, typer.Option(help="Remove components of fewer cells than this.")]
+VoxelSize = Annotated[
+    float | None, typer.Option(help="Images: edge length of a voxel. (default of the file, or 1)")
+]
+Empty = Annotated[float | None, typer.Option(help="Images: grey value of no material.")]
+Full = Annotated[float | None, typer.Option(help="Images: grey value of nothing but material.")]
+
+
+def to_image(
+    voxel_size: float | None, empty: float | None, full: float | None
+) -> dict[str, float] | None:
+    """Return what the voxels of an image mean, None where nothing is said.
+
+    >>> to_image(0.5, None, 255.0)
+    {'voxel_size': 0.5, 'full': 255.0}
+    """
+    values = {"voxel_size": voxel_size, "empty": empty, "full": full}
+    return {key: value for key, value in values.items() if value is not None} or None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,27 +12,33 @@ import pandas as pd
 
 from tusqh.errors import GeometryError
 from tusqh.geometry.defects import describe_defects
-from tusqh.geometry.files import locate, read_geometry
+from tusqh.geometry.files import Geometry, locate, read_geometry
+from tusqh.geometry.image import Image
+from tusqh.geometry.image_voxels import describe_voxels
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.soup import Soup
 from tusqh.geometry.surface_defects import describe_surface_defects
 from tusqh.geometry.surfaces import soup_of, surfaces_of_dataset, surfaces_of_scene
 from tusqh.sampling.crossings import describe_winding
-from tusqh.sampling.fractions import Geometry
 
 
-def ingest(source: Any, *, name: str = "geometry") -> Geometry:
+def ingest(
+    source: Any, *, name: str = "geometry", image: Mapping[str, float] | None = None
+) -> Geometry:
     """Return the geometry in a file or in memory, exactly as it is.
 
     Parameters
     ----------
     source
         A path, or ``"package:NAME/FILE"`` for a file of an installed package; a mesh or scene of
-        trimesh; a dataset of pyvista; an `Outline` or `Soup`; or a pair of arrays: points of
-        shape (n, 3) with triangles of shape (m, 3), or points of shape (n, 2) with segments of
-        shape (m, 2).
+        trimesh; a dataset of pyvista; an array of voxels of shape (nx, ny, nz); a pair of
+        arrays: points of shape (n, 3) with triangles of shape (m, 3), or points of shape (n, 2)
+        with segments of shape (m, 2); or an `Outline`, `Soup` or `Image`.
     name
         What messages call a geometry that comes from memory.
+    image
+        For voxels: `voxel_size`, and the grey values of fraction 0 and 1, `empty` and `full`,
+        see `tusqh.geometry.image.Image.from_voxels`.
 
     Raises
     ------
@@ -44,10 +51,14 @@ def ingest(source: Any, *, name: str = "geometry") -> Geometry:
     >>> ingest(square).bounding_box()
     ((0.0, 0.0), (1.0, 1.0))
     """
-    if isinstance(source, (Outline, Soup)):
-        return source
     if isinstance(source, (str, Path)):
-        return read_geometry(locate(str(source)))
+        return read_geometry(locate(str(source)), image=image)
+    if isinstance(source, np.ndarray):
+        return Image.from_voxels(source, **(image or {}), name=name)
+    if image:
+        raise _damaged("`image` is given for something that is none", name)
+    if isinstance(source, (Outline, Soup, Image)):
+        return source
     if _is_of("trimesh", ("Trimesh", "Scene"), source):
         return _from_trimesh(source, name)
     if _is_of("pyvista", ("DataSet",), source):
@@ -57,7 +68,7 @@ def ingest(source: Any, *, name: str = "geometry") -> Geometry:
     raise GeometryError(
         f"an object of type {type(source).__name__} is no geometry",
         where=name,
-        expected="a path, a mesh of trimesh or pyvista, or a pair of arrays (points, triangles)",
+        expected="a path, a mesh of trimesh or pyvista, or arrays",
         remedy="write it to a file, or convert it to arrays of points and triangles",
     )
 
@@ -66,6 +77,8 @@ def describe(geometry: Geometry) -> pd.DataFrame:
     """Return the defects of a geometry, one row each, the range of the winding number included."""
     if isinstance(geometry, Outline):
         return describe_defects(geometry)
+    if isinstance(geometry, Image):
+        return describe_voxels(geometry)
     tables = [describe_surface_defects(geometry), describe_winding(geometry)]
     return pd.concat(tables, ignore_index=True)
 

@@ -38,6 +38,7 @@ def mesh(
     components: Mapping[str, Any] | None = None,
     holes: Mapping[str, Any] | None = None,
     voids: Mapping[str, Any] | None = None,
+    image: Mapping[str, float] | None = None,
     name: str | None = None,
     progress: Progress = log_progress,
 ) -> Result:
@@ -46,8 +47,8 @@ def mesh(
     Parameters
     ----------
     source
-        A path, a mesh of trimesh or pyvista, or arrays (points, triangles), see
-        `tusqh.pipeline.ingest.ingest`.
+        A path, a mesh of trimesh or pyvista, arrays (points, triangles), or an array of voxels,
+        see `tusqh.pipeline.ingest.ingest`.
     cells
         Cells along the longest side (64 by default), or one number for each axis.
     cell_size
@@ -79,6 +80,9 @@ def mesh(
     components, holes, voids
         What these need to stay, as ``{"min_cells": 4}``, see
         `tusqh.antialias.policy.Criteria`.
+    image
+        For voxels: ``{"voxel_size": 0.1, "empty": 0, "full": 255}``, see
+        `tusqh.geometry.image.Image.from_voxels`.
     name
         What files and messages call the model; the name of the file by default.
     progress
@@ -128,11 +132,12 @@ def mesh(
         components=components,
         holes=holes,
         voids=voids,
+        image=image,
     )
     if name is None:
         name = Path(source).stem if isinstance(source, (str, Path)) else "model"
     progress("reading")
-    geometry = ingest(source, name=name)
+    geometry = ingest(source, name=name, image=settings.get("image"))
     defects = describe(geometry)
     fractions = sample(geometry, **pick(settings, ("grid", "window", *SAMPLING)), progress=progress)
     progress("persistence")

@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 
 from tusqh.atomic import write_text
-from tusqh.geometry.files import write_geometry
+from tusqh.geometry.files import Geometry, write_geometry
 from tusqh.meshes.formats import write_mesh
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.build import Built
@@ -17,7 +17,7 @@ from tusqh.pipeline.judge import Judgement
 from tusqh.pipeline.persistence import Persistence
 from tusqh.pipeline.select import Choice
 from tusqh.provenance.hashing import canonical_json
-from tusqh.sampling.fractions import Geometry, VolumeFractions
+from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.io import save_fractions
 from tusqh.tables import write_csv
 from tusqh.threshold.select import Selection
@@ -95,7 +95,7 @@ class Result:
     Parameters
     ----------
     geometry
-        The outline or soup, as it is.
+        The outline, soup or image, as it is.
     defects
         What is dirty about it, one row per kind.
     fractions

@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from tusqh.geometry.files import Geometry
+from tusqh.geometry.image import Image
 from tusqh.progress import Progress, log_progress
-from tusqh.sampling.fractions import Geometry, VolumeFractions, sample_fractions
+from tusqh.sampling.fractions import VolumeFractions, sample_fractions
 from tusqh.sampling.layout import lay_grid, to_window
+from tusqh.sampling.voxels import lay_on_voxels, voxel_fractions
 
 
 def sample(
@@ -26,14 +29,16 @@ def sample(
         The geometry.
     grid
         ``{"cells": n}`` along the longest side, ``{"cells": [nx, ny]}``, or
-        ``{"cell_size": h}`` in units of the geometry.
+        ``{"cell_size": h}`` in units of the geometry.  Cells of images are whole voxels, see
+        `tusqh.sampling.voxels.lay_on_voxels`.
     window
         Box to mesh in, ``{"lower": [...], "upper": [...]}``; the bounding box by default.
     progress
         Shows how far the samples are.
     **sampling
         `samples`, `domain`, `rule` and `orientation`, see
-        `tusqh.sampling.fractions.sample_fractions`.
+        `tusqh.sampling.fractions.sample_fractions`; images, whose fractions are exact, need
+        only `domain`.
 
     Raises
     ------
@@ -41,6 +46,10 @@ def sample(
         Grid, window and geometry do not fit each other, or there is nothing inside.
     """
     box = to_window(window)
+    if isinstance(geometry, Image):
+        voxel_grid = lay_on_voxels(geometry, box, **grid)
+        domain = sampling.get("domain", "inside")
+        return voxel_fractions(geometry, voxel_grid, domain=domain, window=box)
     background_grid = lay_grid(geometry, box, **grid)
     return sample_fractions(
         geometry, background_grid, window=box, progress=progress("samples"), **sampling

@@ -61,7 +61,8 @@ def to_settings(
         if settings.get(key, words[0]) not in words:
             raise _wrong(key, settings[key], "one of " + ", ".join(words))
     for key in ("components", "holes", "voids"):
-        _require_criteria(key, settings.get(key, {}))
+        _require_keys(key, settings.get(key, {}), [field.name for field in fields(Criteria)])
+    _require_keys("image", settings.get("image", {}), ["voxel_size", "empty", "full"])
     goals = [goal for goal in GOALS if goal in settings]
     if len(goals) > 1:
         names = " and ".join("betti" if goal == "target" else goal for goal in goals)
@@ -126,10 +127,9 @@ def _to_wanted(wanted: Any) -> Wanted:
     return [int(n) for n in numbers] if isinstance(wanted, (list, tuple)) else int(wanted)
 
 
-def _require_criteria(key: str, criteria: Any) -> None:
-    allowed = [field.name for field in fields(Criteria)]
-    if not isinstance(criteria, Mapping) or set(criteria) - set(allowed):
-        raise _wrong(key, criteria, "a mapping with keys of " + ", ".join(allowed))
+def _require_keys(name: str, values: Any, allowed: Sequence[str]) -> None:
+    if not isinstance(values, Mapping) or not set(values) <= set(allowed):
+        raise _wrong(name, values, "a mapping with keys of " + ", ".join(allowed))
 
 
 def _is_count(value: object) -> bool:

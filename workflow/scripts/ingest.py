@@ -6,7 +6,8 @@ from tusqh.provenance.record import recorded
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
-    geometry = ingest(snakemake.params.geometry)
+    source = snakemake.params.source
+    geometry = ingest(source["geometry"], image=source.get("image"))
     defects = describe(geometry)
     log.info("%s: %d %s", geometry.name, defects["count"].iloc[0], defects["defect"].iloc[0])
     write_geometry(Path(snakemake.output.geometry), geometry)
