@@ -158,7 +158,7 @@ def sample_fractions(
             "directions (double-sided sheets)",
         )
     chosen = -1 if -1 in signs and (orientation == "flip" or total < 0) else 1
-    values = combine_half_blocks(blocks[chosen])
+    values = _average(blocks[chosen])
     fractions = VolumeFractions(grid=grid, samples=samples, values=values)
     if not (fractions.cells > 0).any():
         raise SamplingError(
@@ -233,27 +233,6 @@ def round_fractions(values: FloatArray) -> FloatArray:
     return np.rint(values / RESOLUTION) * RESOLUTION + 0.0  # + 0.0 turns -0.0 into 0.0
 
 
-def combine_half_blocks(blocks: FloatArray) -> FloatArray:
-    """Return the rounded fractions on the doubled grid from half-block means.
-
-    Parameters
-    ----------
-    blocks
-        Means over half-blocks, shape ``2 n``.
-
-    Returns
-    -------
-    values
-        Shape ``2 n + 1``, multiples of `RESOLUTION`; everything outside the grid is empty.
-    """
-    if blocks.ndim == 3:
-        return np.asarray(average_blocks(blocks, RESOLUTION))
-    padded = np.pad(blocks, 1)
-    low, high = slice(None, -1), slice(1, None)
-    quarters = [padded[x, y] for x in (low, high) for y in (low, high)]
-    return round_fractions(np.asarray(sum(quarters)) / 4)
-
-
 def require_memory(grid: BackgroundGrid, *, name: str) -> None:
     """Raise a `SamplingError` with the estimate when a grid cannot fit in this machine's memory."""
     needed = grid.n_cells * _BYTES_PER_CELL[grid.dim]
@@ -298,6 +277,16 @@ def _half_block_means(values: FloatArray, samples: int) -> FloatArray:
     half = samples // 2
     blocked = [k for n in values.shape for k in (n // half, half)]
     return np.asarray(values.reshape(blocked).mean(axis=tuple(range(1, 2 * values.ndim, 2))))
+
+
+def _average(blocks: FloatArray) -> FloatArray:
+    """Return the rounded fractions on the doubled grid from half-block means."""
+    if blocks.ndim == 3:
+        return np.asarray(average_blocks(blocks, RESOLUTION))
+    padded = np.pad(blocks, 1)
+    low, high = slice(None, -1), slice(1, None)
+    quarters = [padded[x, y] for x in (low, high) for y in (low, high)]
+    return round_fractions(np.asarray(sum(quarters)) / 4)
 
 
 def _check_samples(samples: Any) -> None:

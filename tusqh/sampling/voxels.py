@@ -24,8 +24,8 @@ from tusqh.sampling.fractions import (
     Box,
     Domain,
     VolumeFractions,
-    combine_half_blocks,
     require_memory,
+    round_fractions,
 )
 
 #: How far, in voxels, a grid may be off the voxels by rounding.
@@ -139,7 +139,8 @@ def voxel_fractions(
         corner = first + np.array([start * per_cell, 0, 0], dtype=np.int64)
         values = _cut_out(image, corner, size, counted, domain)
         blocks[2 * start : 2 * stop] = _half_block_means(values, per_cell)
-    fractions = VolumeFractions(grid=grid, samples=2 * per_cell, values=combine_half_blocks(blocks))
+    values = round_fractions(_average_pairs(blocks))
+    fractions = VolumeFractions(grid=grid, samples=2 * per_cell, values=values)
     if not (fractions.cells > 0).any():
         raise SamplingError(
             f"no cell of the {grid.label} grid has a positive fraction of the {domain} of the "
@@ -161,6 +162,15 @@ def _half_block_means(values: FloatArray, per_cell: int) -> FloatArray:
         shape[axis : axis + 1] = [shape[axis] // width, width]
         values = values.reshape(shape).mean(axis=axis + 1)
     return values
+
+
+def _average_pairs(blocks: FloatArray) -> FloatArray:
+    """Return the means of neighbouring half-blocks: the fractions on the doubled grid."""
+    for axis in range(blocks.ndim):
+        edges = [(1, 1) if k == axis else (0, 0) for k in range(blocks.ndim)]
+        padded = np.moveaxis(np.pad(blocks, edges), axis, 0)
+        blocks = np.moveaxis((padded[:-1] + padded[1:]) / 2, 0, axis)
+    return blocks
 
 
 def _cut_out(

@@ -1,4 +1,5 @@
 # The validated configuration and the few functions that read it; no other file does.
+import os
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
@@ -12,6 +13,19 @@ ENVIRONMENT = "../../environment.yml"
 FIGURES = {
     2: ["thresholds", "diagram", "antialias", "contaminant"],
     3: ["panels", "diagram", "temperature"],
+}
+PAGE_LINKS = {
+    "mesh (VTU)": "mesh.vtu",
+    "for MFEM": "export/mesh.mesh",
+    "for Gmsh": "export/mesh.msh",
+    "for Exodus": "export/mesh.exo",
+    "for Abaqus": "export/mesh.inp",
+    "certificate": "certificate.json",
+    "persistence diagram": "diagram.csv",
+    "all topologies": "topologies.csv",
+    "bridges": "bridges.csv",
+    "removed and filled": "features.csv",
+    "simulation (ParaView)": "simulation/concentration.pvd",
 }
 EXPORTS = ["mesh.mesh", "mesh.msh", "mesh.exo", "mesh.inp"]
 
@@ -64,3 +78,15 @@ def figures_of_all_models():
         for model, dimension in DIMENSION.items()
         for figure in FIGURES[dimension]
     ]
+
+
+def register_if_there():
+    """Return the data register, none where the workflow runs in another folder."""
+    register = "data_sources/register.csv"
+    return [register] if Path(register).is_file() else []
+
+
+def captions():
+    """Return the texts of figures, relative to where the workflow runs."""
+    folder = Path(workflow.basedir) / "workflow/report"
+    return sorted(os.path.relpath(path) for path in folder.glob("*.rst"))
