@@ -78,6 +78,12 @@ def test_the_committed_configuration_is_valid(repository, tmp_path):
             "models:\n  a: {geometry: a.svg}\n  A: {geometry: b.svg}",
             ["'a' and 'A'", "upper and lower case"],
         ),
+        (
+            "models: {a: {geometry: a.tif, image: {voxel: 3}}}",
+            ["a.image", "'voxel'", "did you mean 'voxel_size'"],
+        ),
+        ("models: {a: {geometry: a.tif, image: {voxel_size: 0}}}", ["found 0", "more than 0"]),
+        ("models: {a: {geometry: a.tif, image: 3}}", ["a.image", "found 3"]),
         ("models: [1, 2", ["cannot be read"]),
         ("- just\n- a list", ["holds ['just', 'a list']"]),
     ],

@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from tusqh.errors import OutputError
+
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
@@ -15,6 +17,11 @@ def replacing(path: Path) -> Iterator[Path]:
 
     The temporary file keeps the suffix, which many libraries choose the format by.  When the
     block fails it is removed and an existing file at `path` is left as it was.
+
+    Raises
+    ------
+    OutputError
+        The folder cannot be made or written to, or the disk is full.
 
     Examples
     --------
@@ -25,10 +32,13 @@ def replacing(path: Path) -> Iterator[Path]:
     >>> [(p.name, p.read_text()) for p in folder.iterdir()]
     [('table.csv', 'a,b')]
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    descriptor, name = tempfile.mkstemp(
-        prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent
-    )
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        descriptor, name = tempfile.mkstemp(
+            prefix=f".{path.stem}-", suffix=path.suffix, dir=path.parent
+        )
+    except OSError as reason:
+        raise _not_writable(path, str(reason.strerror or reason)) from reason
     os.close(descriptor)
     temporary = Path(name)
     try:
@@ -38,11 +48,48 @@ def replacing(path: Path) -> Iterator[Path]:
         os.umask(mask)
         temporary.chmod(0o666 & ~mask)
         temporary.replace(path)
+    except OSError as reason:
+        raise _not_writable(path, str(reason.strerror or reason)) from reason
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def require_writable(path: Path) -> None:
+    """Raise when a file could not be written, without writing anything: ask before long work.
+
+    Raises
+    ------
+    OutputError
+        The path is a folder, or its folder cannot be made or written to.
+
+    Examples
+    --------
+    >>> require_writable(Path("new folder/mesh.vtu"))
+    >>> require_writable(Path("."))
+    Traceback (most recent call last):
+    tusqh.errors.OutputError: .: cannot be written: it is a folder
+      expected: a file name in a folder that can be written to
+      remedy:   choose another place, or correct its permissions
+    """
+    if path.is_dir():
+        raise _not_writable(path, "it is a folder")
+    folder = next(parent for parent in path.absolute().parents if parent.exists())
+    if not folder.is_dir():
+        raise _not_writable(path, f"{folder} is a file")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise _not_writable(path, f"the folder {folder} is read-only")
 
 
 def write_text(path: Path, text: str) -> None:
     r"""Write a UTF-8 text file with ``\n`` line ends, whole or not at all."""
     with replacing(path) as temporary:
         temporary.write_bytes(text.encode())
+
+
+def _not_writable(path: Path, why: str) -> OutputError:
+    return OutputError(
+        f"cannot be written: {why}",
+        where=str(path),
+        expected="a file name in a folder that can be written to",
+        remedy="choose another place, or correct its permissions",
+    )

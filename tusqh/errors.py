@@ -41,6 +41,10 @@ class ConfigError(TusqhError):
     """The configuration asks for something that does not exist or is out of range."""
 
 
+class OutputError(TusqhError):
+    """A file or folder cannot be written."""
+
+
 class GeometryError(TusqhError):
     """A geometry file is missing, unreadable, empty or not finite (dirty is not an error)."""
 

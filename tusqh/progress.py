@@ -8,8 +8,14 @@ from collections.abc import Callable
 
 _SECONDS_BETWEEN_LINES = 2.0
 
+#: Called with (done, in all) as work goes on.
+Report = Callable[[int, int], None]
 
-def log_progress(what: str) -> Callable[[int, int], None]:
+#: Called with what is about to happen; returns the function to report on it.
+Progress = Callable[[str], Report]
+
+
+def log_progress(what: str) -> Report:
     """Return a function of (done, in all) that logs how far `what` is."""
     logger = logging.getLogger("tusqh")
     started = time.monotonic()

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import pyvista
 
-from tusqh.errors import GeometryError
+from tusqh.errors import GeometryError, OutputError
 from tusqh.geometry.io import load_outline, write_outline
 from tusqh.geometry.outline import Outline
 
@@ -50,7 +50,7 @@ def test_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
         raise OSError("disk full")
 
     monkeypatch.setattr(pyvista.PolyData, "save", fail)
-    with pytest.raises(OSError, match="disk full"):
+    with pytest.raises(OutputError, match="disk full"):
         write_outline(tmp_path / "a.vtp", random_outline())
     assert (tmp_path / "a.vtp").read_bytes() == before
     assert len(list(tmp_path.iterdir())) == 1

@@ -7,8 +7,8 @@ from tusqh.errors import MeshError, SimulationError
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.meshes.checks import check_mesh, require_sound
 from tusqh.meshes.export import read_vtu, write_vtu
+from tusqh.meshes.mfem_mesh import to_mfem
 from tusqh.meshes.volume_mesh import VolumeMesh
-from tusqh.simulate.mfem_mesh import to_mfem
 
 SQUARE = [[0.0, 0], [1, 0], [1, 1], [0, 1]]
 

@@ -1,8 +1,10 @@
 """The whole workflow on a new solid: an STL and one block in the config."""
 
 import json
+import re
 import subprocess
 import sys
+from urllib.parse import unquote
 
 import pandas as pd
 import pytest
@@ -69,6 +71,27 @@ def test_figures_exports_and_certificate_are_there(built):
     assert certificate["measured"] == {"euler": [1, 1, 0], "boundary": [1, 1, 0]}
     command = [sys.executable, "-m", "tusqh", "check", str(built / "results/ring/mesh.vtu")]
     assert subprocess.run(command, capture_output=True).returncode == 0
+
+
+def test_the_overview_links_to_files_that_are_there(built):
+    page = built / "results/report/index.html"
+    text = page.read_text()
+    assert "1 of 1 models" in text
+    links = re.findall(r'(?:href|src)="([^"#][^"]*)"', text)
+    assert len(links) > 12
+    for link in links:
+        assert (page.parent / unquote(link)).is_file(), link
+    captions = re.findall(r"<figcaption>(.*?)</figcaption>", text)
+    assert "The model, and its mesh at every threshold of the sweep" in " ".join(captions)
+
+
+def test_snakemakes_own_report_has_captions(repository, built):
+    done = snakemake(repository, built, "--report", "report.html")
+    assert done.returncode == 0, done.stdout + done.stderr
+    text = (built / "report.html").read_text()
+    assert len(text) > 500_000
+    for caption in ("its mesh at every threshold of the sweep", "Every check of the mesh"):
+        assert caption in text
 
 
 def test_holes_of_a_solid_cannot_be_filled(repository, built):

@@ -2,27 +2,36 @@
 
 from __future__ import annotations
 
-import typer
-from rich.console import Console
+import warnings
 
+import typer
+
+from tusqh.cli.add import add
 from tusqh.cli.check import check
 from tusqh.cli.inspect import inspect
+from tusqh.cli.interruption import catch_signals
+from tusqh.cli.mesh import mesh
+from tusqh.cli.show import report_error
 from tusqh.errors import TusqhError
 
 app = typer.Typer(
     help="Meshes with the topology you ask for, from geometry nobody repaired.",
     no_args_is_help=True,
+    rich_markup_mode="markdown",
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (inspect, check):
+for command in (mesh, inspect, check, add):
     app.command()(command)
 
 
 def main() -> None:
     """Run the command line; errors that a user can mend are messages, not tracebacks."""
+    catch_signals()
+    # Numba says on every run that it does not use a library which is not needed.
+    warnings.filterwarnings("ignore", message=".*TBB threading layer.*")
     try:
         app()
-    except TusqhError as error:
-        Console(stderr=True).print(f"error in {error}", style="red", highlight=False, markup=False)
+    except (TusqhError, OSError) as error:
+        report_error(f"error in {error}")
         raise SystemExit(2) from None

@@ -11,14 +11,17 @@ from rich.console import Console
 from tusqh.cli.show import show
 
 
-def check(mesh: Annotated[Path, typer.Argument(help="A .vtu file of quads.")]) -> None:
+def check(mesh: Annotated[Path, typer.Argument(help="A .vtu file of quads or hexes.")]) -> None:
     """Measure the topology of a mesh and check that it is fit for analysis.
 
     A certificate.json beside the mesh is recomputed as well: its digests, measurements and,
     where the fractions are there too, its predictions.
 
     Exit code 0: all holds; 1: something does not; 2: the file cannot be read.
-    Example: tusqh check results/chesapeake/mesh.vtu
+
+    For example:
+
+    * `tusqh check results/chesapeake/mesh.vtu`
     """
     from tusqh.certificate import FILE_NAME, check_certificate, read_predicted
     from tusqh.meshes.betti import betti_by_euler

@@ -1,6 +1,8 @@
-"""Tables on the terminal."""
+"""Tables and errors on the terminal."""
 
 from __future__ import annotations
+
+import math
 
 import pandas as pd
 from rich.console import Console
@@ -8,10 +10,25 @@ from rich.table import Table
 
 
 def show(frame: pd.DataFrame, *, title: str) -> None:
-    """Print a table; numbers with six digits."""
+    """Print a table; numbers with six digits, nothing where there is no number.
+
+    Names from files are shown as they are: nothing in them is taken for markup.
+    """
     table = Table(title=title, title_justify="left")
-    for column in frame.columns:
-        table.add_column(str(column))
+    for k, column in enumerate(frame.columns):
+        table.add_column(str(column), overflow="fold", no_wrap=k == 0)
     for row in frame.itertuples(index=False):
-        table.add_row(*[f"{v:.6g}" if isinstance(v, float) else str(v) for v in row])
-    Console().print(table)
+        table.add_row(*map(_to_text, row))
+    Console(markup=False, highlight=False).print(table)
+
+
+def report_error(message: str) -> None:
+    """Print an error on the standard error stream, its lines as they are."""
+    console = Console(stderr=True, markup=False, highlight=False)
+    console.print(message, style="red", soft_wrap=True)
+
+
+def _to_text(value: object) -> str:
+    if isinstance(value, float):
+        return "" if math.isnan(value) else f"{value:.6g}"
+    return str(value)

@@ -9,20 +9,25 @@ from matplotlib.patches import Patch
 
 from tusqh.figures import style
 from tusqh.figures.rendering import polydata_of, render, show, surface_of
+from tusqh.geometry.image import Image
 from tusqh.geometry.soup import Soup
 from tusqh.meshes.betti import betti_by_euler
 from tusqh.meshes.volume_mesh import VolumeMesh
 
 
 def draw_panels(
-    soup: Soup, meshes: Sequence[VolumeMesh | None], thresholds: Sequence[float], *, name: str
+    geometry: Soup | Image,
+    meshes: Sequence[VolumeMesh | None],
+    thresholds: Sequence[float],
+    *,
+    name: str,
 ) -> Figure:
     """Return the model, then its mesh at every threshold, with the Betti numbers measured on it.
 
     Parameters
     ----------
-    soup
-        The geometry.
+    geometry
+        The geometry; of an image the voxels at least half full are drawn.
     meshes
         One hex mesh per threshold, None where no cell is kept.
     thresholds
@@ -32,10 +37,14 @@ def draw_panels(
     """
     n_rows = -(-(len(meshes) + 1) // 3)
     figure, axes = style.new_figure(n_rows, 3, width=10.5, height=3.1 * n_rows + 0.6)
-    box = soup.bounding_box()
+    box = geometry.bounding_box()
+    if isinstance(geometry, Soup):
+        size = f"{len(geometry.triangles)} triangles"
+    else:
+        size = f"{geometry.voxels.size} voxels"
     panels = axes.ravel()
-    picture = render(polydata_of(soup), box, color="#d9c9a3")
-    show(panels[0], picture, f"the model: {len(soup.triangles)} triangles, as they are")
+    picture = render(polydata_of(geometry), box, color="#d9c9a3")
+    show(panels[0], picture, f"the model: {size}, as they are")
     for panel, mesh, threshold in zip(panels[1:], meshes, thresholds, strict=False):
         title = f"threshold {100 * threshold:g} %: "
         if mesh is None:

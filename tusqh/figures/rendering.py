@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from tusqh.figures import style
+from tusqh.geometry.image import Image
 from tusqh.geometry.soup import Soup
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.volume_mesh import BRIDGE, CONNECTING, SEPARATING, VolumeMesh
@@ -33,13 +34,22 @@ def surface_of(mesh: VolumeMesh) -> Any:
     return grid.extract_surface(pass_pointid=False, pass_cellid=False, algorithm=None)
 
 
-def polydata_of(soup: Soup) -> Any:
-    """Return a soup as pyvista surface."""
+def polydata_of(geometry: Soup | Image) -> Any:
+    """Return a soup, or the faces between full and empty voxels of an image, as surface."""
     import pyvista
 
-    n = len(soup.triangles)
-    faces = np.column_stack([np.full(n, 3), soup.triangles]).ravel()
-    return pyvista.PolyData(soup.points, faces=faces)
+    if isinstance(geometry, Image):
+        grid = pyvista.ImageData(
+            dimensions=np.add(geometry.shape, 1),
+            spacing=(geometry.voxel_size,) * 3,
+            origin=geometry.origin,
+        )
+        grid.cell_data["fraction"] = geometry.fractions().ravel(order="F")
+        kept = grid.threshold(0.5, scalars="fraction")
+        return kept.extract_surface(pass_pointid=False, pass_cellid=False, algorithm=None)
+    n = len(geometry.triangles)
+    faces = np.column_stack([np.full(n, 3), geometry.triangles]).ravel()
+    return pyvista.PolyData(geometry.points, faces=faces)
 
 
 def field_on(points: FloatArray, cells: IntArray, field: FloatArray, origin: FloatArray) -> Any:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from importlib import metadata
 from pathlib import Path
 
@@ -10,23 +11,30 @@ import numpy as np
 
 from tusqh.atomic import replacing
 from tusqh.errors import GeometryError
-from tusqh.geometry import io
+from tusqh.geometry import io, io_image
+from tusqh.geometry.image import Image
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.read import read_outline
-from tusqh.geometry.read_surface import SUFFIXES, read_soup
+from tusqh.geometry.read_image import SUFFIXES as IMAGE_SUFFIXES
+from tusqh.geometry.read_image import read_image
+from tusqh.geometry.read_surface import SUFFIXES as SURFACE_SUFFIXES
+from tusqh.geometry.read_surface import read_soup
 from tusqh.geometry.soup import Soup
+
+#: What a geometry file may hold.
+Geometry = Outline | Soup | Image
 
 #: A geometry that begins so names a file inside an installed package: ``package:NAME/FILE``.
 PACKAGE = "package:"
 
 
 def dimension_of(geometry: str) -> int:
-    """Return 3 for surface files and 2 for outlines, by the suffix of a configuration entry.
+    """Return 3 for surfaces and images and 2 for outlines, by the suffix of a file.
 
-    >>> dimension_of("part.STL"), dimension_of("bay.geojson")
-    (3, 2)
+    >>> dimension_of("part.STL"), dimension_of("foam.tif"), dimension_of("bay.geojson")
+    (3, 3, 2)
     """
-    return 3 if Path(geometry).suffix.lower() in SUFFIXES else 2
+    return 3 if Path(geometry).suffix.lower() in SURFACE_SUFFIXES + IMAGE_SUFFIXES else 2
 
 
 def locate(geometry: str) -> Path:
@@ -55,17 +63,46 @@ def locate(geometry: str) -> Path:
     )
 
 
-def read_geometry(path: Path) -> Outline | Soup:
-    """Return what a geometry file holds, an outline or a soup, exactly as it is."""
-    return read_soup(path) if dimension_of(path.name) == 3 else read_outline(path)
+def read_geometry(path: Path, *, image: Mapping[str, float] | None = None) -> Geometry:
+    """Return what a geometry file holds, an outline, a soup or an image, exactly as it is.
+
+    Parameters
+    ----------
+    path
+        The file; its suffix names the format.
+    image
+        `voxel_size`, `empty` and `full` of an image, see `tusqh.geometry.read_image`.
+
+    Raises
+    ------
+    GeometryError
+        The file is missing, unreadable or empty, or `image` is given for one that is none.
+    """
+    suffix = path.suffix.lower()
+    if suffix in IMAGE_SUFFIXES:
+        return read_image(path, **(image or {}))
+    if image:
+        raise GeometryError(
+            f"`image` is given for a file of type {suffix or '(no suffix)'!r}",
+            where=str(path),
+            expected=f"an image: {', '.join(IMAGE_SUFFIXES)}",
+            remedy="remove `image`",
+        )
+    return read_soup(path) if suffix in SURFACE_SUFFIXES else read_outline(path)
 
 
-def write_geometry(path: Path, geometry: Outline | Soup) -> None:
-    """Write a geometry as binary VTP, whole or not at all: lines, or triangles with their part."""
+def write_geometry(path: Path, geometry: Geometry) -> None:
+    """Write a geometry as binary VTP, whole or not at all.
+
+    Lines, or triangles with their part, or the box of an image with its voxels as field data.
+    """
     import pyvista
 
     if isinstance(geometry, Outline):
         io.write_outline(path, geometry)
+        return
+    if isinstance(geometry, Image):
+        io_image.write_image(path, geometry)
         return
     n = len(geometry.triangles)
     mesh = pyvista.PolyData(
@@ -77,7 +114,7 @@ def write_geometry(path: Path, geometry: Outline | Soup) -> None:
         mesh.save(temporary, binary=True)
 
 
-def load_geometry(path: Path) -> Outline | Soup:
+def load_geometry(path: Path) -> Geometry:
     """Return the geometry that `write_geometry` wrote, equal in every bit.
 
     Raises
@@ -90,6 +127,8 @@ def load_geometry(path: Path) -> Outline | Soup:
     if not path.is_file():
         return io.load_outline(path)  # Says what is missing.
     mesh = pyvista.read(path)
+    if io_image.VOXELS in mesh.field_data:
+        return io_image.load_image(mesh)
     if not isinstance(mesh, pyvista.PolyData) or mesh.n_lines or "part" not in mesh.cell_data:
         return io.load_outline(path)
     return Soup(

@@ -19,6 +19,7 @@ from ezdxf.lldxf.const import DXFError
 from tusqh.errors import GeometryError
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.read_dxf import read_dxf_chains
+from tusqh.geometry.read_shp import read_shp_chains
 from tusqh.geometry.read_svg import read_svg_chains
 from tusqh.grid import FloatArray
 
@@ -42,11 +43,13 @@ _PARSER_ERRORS = (
 
 
 def read_outline(path: Path) -> Outline:
-    """Return the outline in a GeoJSON, SVG, DXF or CSV file, named after the file.
+    """Return the outline in a GeoJSON, shapefile, SVG, DXF or CSV file, named after the file.
 
     ``.geojson``, ``.json``
         Polygons, lines, collections and features; every ring or line is one chain.  Points and
         missing geometries have no lines and are passed over; a third coordinate is dropped.
+    ``.shp``
+        Rings and lines of a shapefile, see `tusqh.geometry.read_shp`.
     ``.svg``
         Paths and basic shapes, see `tusqh.geometry.read_svg`.
     ``.dxf``
@@ -162,6 +165,7 @@ _READERS: dict[str, Callable[[Path], list[FloatArray]]] = {
     ".geojson": _read_geojson_chains,
     ".json": _read_geojson_chains,
     ".svg": read_svg_chains,
+    ".shp": read_shp_chains,
     ".dxf": read_dxf_chains,
     ".csv": _read_csv_chains,
 }

@@ -9,20 +9,15 @@ from __future__ import annotations
 
 import struct
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from tusqh.errors import GeometryError
 from tusqh.geometry.soup import Soup
-from tusqh.grid import FloatArray, IntArray
+from tusqh.geometry.surfaces import Surface, soup_of, surfaces_of_dataset, surfaces_of_scene
 
 #: Suffixes read by trimesh, and those read by VTK.
 TRIMESH_SUFFIXES = (".stl", ".obj", ".ply", ".off", ".glb", ".gltf")
 VTK_SUFFIXES = (".vtk", ".vtu", ".vtp")
 SUFFIXES = TRIMESH_SUFFIXES + VTK_SUFFIXES
-
-Surface = tuple[FloatArray, IntArray]
 
 
 def read_soup(path: Path) -> Soup:
@@ -54,46 +49,19 @@ def read_soup(path: Path) -> Soup:
             expected=f"a well-formed {suffix} file",
             remedy="open it in the program that wrote it and export it again",
         ) from error
-    first = np.cumsum([0, *(len(points) for points, _ in parts)])
-    return Soup(
-        points=np.concatenate([p for p, _ in parts]) if parts else np.empty((0, 3)),
-        triangles=np.concatenate(
-            [
-                np.empty((0, 3), dtype=np.int64),
-                *(t + f for (_, t), f in zip(parts, first, strict=False)),
-            ]
-        ),
-        parts=np.repeat(np.arange(len(parts)), [len(t) for _, t in parts]).astype(np.int64),
-        name=path.name,
-    )
+    return soup_of(parts, name=path.name)
 
 
 def _read_by_trimesh(path: Path) -> list[Surface]:
     import trimesh
 
-    scene: Any = trimesh.load_scene(path, process=False)
-    surfaces = []
-    for mesh in scene.dump(concatenate=False):
-        faces = np.asarray(getattr(mesh, "faces", ()), dtype=np.int64).reshape(-1, 3)
-        points = np.asarray(mesh.vertices, dtype=np.float64).reshape(-1, 3)
-        if (
-            len(scene.geometry) > 1
-            and faces.size
-            and not 0 <= faces.min() <= faces.max() < len(points)
-        ):
-            raise ValueError(f"a corner is out of the range 0 .. {len(points) - 1} of its part")
-        surfaces.append((points, faces))
-    return surfaces
+    return surfaces_of_scene(trimesh.load_scene(path, process=False))
 
 
 def _read_by_vtk(path: Path) -> list[Surface]:
     import pyvista
 
-    grid: Any = pyvista.read(path)
-    if not isinstance(grid, pyvista.PolyData):
-        grid = grid.extract_surface(pass_pointid=False, pass_cellid=False, algorithm=None)
-    faces = grid.triangulate().faces.reshape(-1, 4)[:, 1:]
-    return [(np.asarray(grid.points, dtype=np.float64), np.asarray(faces, dtype=np.int64))]
+    return surfaces_of_dataset(pyvista.read(path))
 
 
 def _check_stl_size(path: Path) -> None:

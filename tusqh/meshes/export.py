@@ -30,14 +30,7 @@ def write_vtu(
     cell_data
         Further values, one per element.
     """
-    import pyvista
-
-    points = np.zeros((len(mesh.points), 3))
-    points[:, : mesh.dim] = mesh.points
-    cell_type = _VTK_QUAD if mesh.dim == 2 else _VTK_HEXAHEDRON
-    grid = pyvista.UnstructuredGrid({cell_type: mesh.cells}, points)
-    grid.cell_data["kind"] = mesh.kind.astype(np.int8)
-    grid.cell_data["grid_cell"] = mesh.grid_cell
+    grid = mesh.to_pyvista()
     for name, values in (cell_data or {}).items():
         grid.cell_data[name] = values
     with replacing(path) as temporary:

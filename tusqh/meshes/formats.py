@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from tusqh.atomic import replacing, write_text
 from tusqh.errors import MeshError
 from tusqh.grid import IntArray
 from tusqh.meshes.boundary import SIDES, Boundary, find_boundary
+from tusqh.meshes.export import write_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
 
 #: Local facet to the number that a format gives it, in the order of `HEX_FACETS`; the sides of
@@ -23,27 +25,16 @@ _ABAQUS_FACES = np.array([6, 4, 3, 5, 1, 2])
 def write_mesh(path: Path, mesh: VolumeMesh) -> None:
     """Write a mesh in the format of a file's suffix, whole or not at all.
 
-    ``.mesh`` (MFEM, boundary attributes), ``.msh`` (Gmsh 2.2, physical groups), ``.exo`` (Exodus,
-    side sets), ``.inp`` (Abaqus, surfaces); the sides are those of `tusqh.meshes.boundary.SIDES`.
+    ``.vtu`` (VTK), ``.mesh`` (MFEM, boundary attributes), ``.msh`` (Gmsh 2.2, physical groups),
+    ``.exo`` (Exodus, side sets), ``.inp`` (Abaqus, surfaces); the sides are those of
+    `tusqh.meshes.boundary.SIDES`.
 
     Raises
     ------
     MeshError
         The suffix names no format, or the mesh has no elements.
     """
-    writer = {
-        ".mesh": _write_mfem,
-        ".msh": _write_gmsh,
-        ".exo": _write_exodus,
-        ".inp": _write_abaqus,
-    }
-    if path.suffix not in writer:
-        raise MeshError(
-            f"the suffix {path.suffix!r} names no format",
-            where=str(path),
-            expected="one of " + ", ".join(writer),
-            remedy="change the suffix",
-        )
+    require_format(path)
     if mesh.n_cells == 0:
         raise MeshError(
             "the mesh has no elements",
@@ -51,7 +42,21 @@ def write_mesh(path: Path, mesh: VolumeMesh) -> None:
             expected="at least one",
             remedy="lower the threshold",
         )
-    writer[path.suffix](path, mesh, find_boundary(mesh))
+    if path.suffix == ".vtu":
+        write_vtu(path, mesh)
+    else:
+        _WRITERS[path.suffix](path, mesh, find_boundary(mesh))
+
+
+def require_format(path: Path) -> None:
+    """Raise a `MeshError` when the suffix of a file names no format of `write_mesh`."""
+    if path.suffix not in (".vtu", *_WRITERS):
+        raise MeshError(
+            f"the suffix {path.suffix!r} names no format",
+            where=str(path),
+            expected="one of " + ", ".join((".vtu", *_WRITERS)),
+            remedy="change the suffix",
+        )
 
 
 def _write_mfem(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
@@ -116,8 +121,7 @@ def _write_abaqus(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
     text = io.StringIO()
     text.write(f"*HEADING\n{mesh.name}\n*NODE\n")
     number = np.arange(1, len(mesh.points) + 1)
-    points = np.zeros((len(mesh.points), 3))
-    points[:, : mesh.dim] = mesh.points
+    points = mesh.points_in_space()
     np.savetxt(text, np.column_stack([number, points]), fmt=["%d"] + 3 * ["%.17g"], delimiter=", ")
     kind = "CPS4" if mesh.dim == 2 else "C3D8"
     text.write(f"*ELEMENT, TYPE={kind}, ELSET=solid\n")
@@ -139,7 +143,13 @@ def _numbers(dim: int, local: IntArray, of_hex: IntArray) -> IntArray:
 def _to_meshio(mesh: VolumeMesh, facets: list[tuple[str, IntArray]], **data: Any) -> Any:
     import meshio
 
-    points = np.zeros((len(mesh.points), 3))
-    points[:, : mesh.dim] = mesh.points
     cells = [*facets, ("quad" if mesh.dim == 2 else "hexahedron", mesh.cells)]
-    return meshio.Mesh(points, cells, **data)
+    return meshio.Mesh(mesh.points_in_space(), cells, **data)
+
+
+_WRITERS: dict[str, Callable[[Path, VolumeMesh, Boundary], None]] = {
+    ".mesh": _write_mfem,
+    ".msh": _write_gmsh,
+    ".exo": _write_exodus,
+    ".inp": _write_abaqus,
+}

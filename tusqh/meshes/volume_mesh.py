@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -62,3 +63,39 @@ class VolumeMesh:
         zeros = np.zeros(len(cells), dtype=np.int64)
         points = np.asarray(points, dtype=np.float64)
         return cls(points=points, cells=cells, kind=zeros, grid_cell=zeros - 1, name=name)
+
+    def points_in_space(self) -> FloatArray:
+        """Return the points with three coordinates, shape (n, 3); in the plane z is 0."""
+        points = np.zeros((len(self.points), 3))
+        points[:, : self.dim] = self.points
+        return points
+
+    def to_pyvista(self) -> Any:
+        """Return the mesh as a `pyvista.UnstructuredGrid`, with `kind` and `grid_cell`."""
+        import pyvista
+
+        cell_type = pyvista.CellType.QUAD if self.dim == 2 else pyvista.CellType.HEXAHEDRON
+        grid = pyvista.UnstructuredGrid({cell_type: self.cells}, self.points_in_space())
+        grid.cell_data["kind"] = self.kind.astype(np.int8)
+        grid.cell_data["grid_cell"] = self.grid_cell
+        return grid
+
+    def to_meshio(self) -> Any:
+        """Return the mesh as a `meshio.Mesh`, with `kind` and `grid_cell`."""
+        import meshio
+
+        cell_type = "quad" if self.dim == 2 else "hexahedron"
+        data = {"kind": [self.kind], "grid_cell": [self.grid_cell]}
+        return meshio.Mesh(self.points_in_space(), [(cell_type, self.cells)], cell_data=data)
+
+    def to_mfem(self) -> Any:
+        """Return the mesh as an `mfem.ser.Mesh`, after our checks passed.
+
+        Raises
+        ------
+        SimulationError
+            Our checks or MFEM reject the mesh.
+        """
+        from tusqh.meshes.mfem_mesh import to_mfem
+
+        return to_mfem(self)

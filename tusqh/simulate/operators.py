@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from tusqh.grid import FloatArray, IntArray
+from tusqh.meshes.mfem_mesh import to_mfem
 from tusqh.meshes.volume_mesh import VolumeMesh
-from tusqh.simulate.mfem_mesh import to_mfem, to_sparse
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def assemble(mesh: VolumeMesh, *, refinements: int = 0, order: int = 1) -> Opera
     Raises
     ------
     SimulationError
-        The mesh is rejected, see `tusqh.simulate.mfem_mesh.to_mfem`.
+        The mesh is rejected, see `tusqh.meshes.mfem_mesh.to_mfem`.
     """
     import mfem.ser as mfem
 
@@ -65,8 +65,8 @@ def assemble(mesh: VolumeMesh, *, refinements: int = 0, order: int = 1) -> Opera
     points = np.array(native.GetVertexArray(), dtype=np.float64).reshape(native.GetNV(), -1)
     cells = np.array([native.GetElementVertices(e) for e in range(native.GetNE())])
     return Operators(
-        mass=to_sparse(mass.SpMat()),
-        stiffness=to_sparse(stiffness.SpMat()),
+        mass=_to_sparse(mass.SpMat()),
+        stiffness=_to_sparse(stiffness.SpMat()),
         nodes=points[:, : mesh.dim] if order == 1 else _nodes(native, order, mesh.dim),
         points=points[:, : mesh.dim],
         cells=cells.astype(np.int64),
@@ -83,3 +83,11 @@ def _nodes(native: Any, order: int, dim: int) -> FloatArray:
     nodes = mfem.GridFunction(vector_space)
     native.GetNodes(nodes)
     return np.array(nodes.GetDataArray()).reshape(-1, dim)
+
+
+def _to_sparse(matrix: Any) -> Any:
+    """Return an MFEM sparse matrix as a `scipy.sparse.csr_matrix` that owns its memory."""
+    from scipy.sparse import csr_matrix
+
+    arrays = (matrix.GetDataArray(), matrix.GetJArray(), matrix.GetIArray())
+    return csr_matrix(tuple(np.array(a) for a in arrays), shape=(matrix.Height(), matrix.Width()))

@@ -1,4 +1,5 @@
 # The validated configuration and the few functions that read it; no other file does.
+import os
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
@@ -18,6 +19,19 @@ THEORY = expand(
     figure=["pinches", "pinches_in_series", "connecting_edges", "aliasing", "axis_gap"]
     + ["theorem_map", "theorem_windows", "theorem_space", "two_triangles", "wedge_islands"],
 ) + ["results/tables/theorem_contradictions.csv", "results/tables/gap_meshes.csv"]
+PAGE_LINKS = {
+    "mesh (VTU)": "mesh.vtu",
+    "for MFEM": "export/mesh.mesh",
+    "for Gmsh": "export/mesh.msh",
+    "for Exodus": "export/mesh.exo",
+    "for Abaqus": "export/mesh.inp",
+    "certificate": "certificate.json",
+    "persistence diagram": "diagram.csv",
+    "all topologies": "topologies.csv",
+    "bridges": "bridges.csv",
+    "removed and filled": "features.csv",
+    "simulation (ParaView)": "simulation/concentration.pvd",
+}
 EXPORTS = ["mesh.mesh", "mesh.msh", "mesh.exo", "mesh.inp"]
 
 try:
@@ -69,3 +83,15 @@ def figures_of_all_models():
         for model, dimension in DIMENSION.items()
         for figure in FIGURES[dimension]
     ]
+
+
+def register_if_there():
+    """Return the data register, none where the workflow runs in another folder."""
+    register = "data_sources/register.csv"
+    return [register] if Path(register).is_file() else []
+
+
+def captions():
+    """Return the texts of figures, relative to where the workflow runs."""
+    folder = Path(workflow.basedir) / "workflow/report"
+    return sorted(os.path.relpath(path) for path in folder.glob("*.rst"))

@@ -7,7 +7,7 @@ rule ingest:
         record="results/provenance/{model}/ingest.json",
         record_how="results/provenance/{model}/ingest.how.json",
     params:
-        geometry=lambda wildcards: MODELS[wildcards.model]["geometry"],
+        source=of_model("geometry", "image"),
     log:
         "results/{model}/logs/ingest.log",
     conda:

@@ -68,14 +68,6 @@ def _from_arrays(mesh: VolumeMesh) -> Any:
     return native
 
 
-def to_sparse(matrix: Any) -> Any:
-    """Return an MFEM sparse matrix as a `scipy.sparse.csr_matrix` that owns its memory."""
-    from scipy.sparse import csr_matrix
-
-    arrays = (matrix.GetDataArray(), matrix.GetJArray(), matrix.GetIArray())
-    return csr_matrix(tuple(np.array(a) for a in arrays), shape=(matrix.Height(), matrix.Width()))
-
-
 def _rejected(mesh: VolumeMesh, why: str) -> SimulationError:
     return SimulationError(
         f"the mesh of {mesh.name!r} cannot be simulated on: {why}",

@@ -1,0 +1,156 @@
+"""The overview shows what the tables say, links to files that exist, and escapes everything."""
+
+import json
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote
+
+import pandas as pd
+import pytest
+
+from tusqh.overview.model import ModelFiles, read_model
+from tusqh.overview.page import MAX_ROWS, render_overview
+
+NASTY = '<script>alert("1")</script>&\'"'
+
+
+class Parts(HTMLParser):
+    """Tags, links, images and text of a page."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.links, self.images, self.text = [], [], [], []
+        self.feed(text)
+        self.text = " ".join(" ".join(self.text).split())
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append(tag)
+        attributes = dict(attributes)
+        if tag == "a":
+            self.links.append(attributes["href"])
+        if tag == "img":
+            self.images.append(attributes["src"])
+        assert not [name for name in attributes if name.startswith("on")]
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+
+def write_model(folder: Path, name: str, *, holds: bool = True, n_rows: int = 3) -> ModelFiles:
+    """Write the files of a model, everything in them that users choose being nasty."""
+    folder.mkdir(parents=True)
+    certificate = {
+        "model": name,
+        "tusqh": "0.1.0",
+        "holds": holds,
+        "selection": {"wanted": NASTY, "threshold": 0.5, "margin": 0.1, "reason": NASTY},
+        "predicted": {"effective": [1, 2, 0]},
+        "measured": {"euler": [1, 2, 0]},
+        "fractions": {"file": "fractions.npz", "sha256": "f" * 64},
+        "mesh": {"file": "mesh.vtu", "sha256": "a" * 64},
+    }
+    facts = {"dimension": 3, "elements": 12345, "grid": "4x4x4", "pinches": 7}
+    facts |= {"volume": 3.0, "winding_volume": 4.0}
+    (folder / "certificate.json").write_text(json.dumps(certificate))
+    (folder / "mesh.json").write_text(json.dumps(facts))
+    record = {"inputs": [{"path": f"data/{NASTY}.stl", "sha256": "b" * 64}]}
+    (folder / "ingest.json").write_text(json.dumps(record))
+    tables = {
+        "defects": {"defect": ["boundary_edges"], "count": [9], "explanation": [NASTY]},
+        "candidates": {"rank": [1], "threshold": [0.5]},
+        "verdict": {"name": [NASTY], "found": [1], "required": [1], "holds": ["yes"]},
+        "verification": {"threshold": [k / 1000 for k in range(n_rows)], "holds": [holds] * n_rows},
+    }
+    for title, table in tables.items():
+        pd.DataFrame(table).to_csv(folder / f"{title}.csv", index=False)
+    (folder / "a picture#1.png").write_bytes(b"")
+    return ModelFiles(
+        certificate=folder / "certificate.json",
+        facts=folder / "mesh.json",
+        record=folder / "ingest.json",
+        figures=[folder / "a picture#1.png"],
+        links={"mesh & more": folder / "mesh.json"},
+        **{title: folder / f"{title}.csv" for title in tables},
+    )
+
+
+@pytest.fixture
+def overview(tmp_path):
+    """Render a page over models in tmp_path/results and return its parts."""
+
+    def render(*files, register=None):
+        results = tmp_path / "results"
+        page = results / "report/index.html"
+        page.parent.mkdir(parents=True, exist_ok=True)
+        summary = results / "summary.csv"
+        pd.DataFrame({"model": [NASTY], "volume": [0.123456789]}).to_csv(summary, index=False)
+        text = render_overview(
+            page,
+            [read_model(of_model, register) for of_model in files],
+            tables={"summary": summary},
+            figures={"all pinches": results / "pinches.png"},
+            captions={"pinches": f"caption {NASTY}"},
+        )
+        page.write_text(text)
+        return page, Parts(text)
+
+    return render
+
+
+def test_what_it_shows(overview, tmp_path):
+    register = pd.DataFrame(
+        {
+            "model": ["ring"],
+            "file": ["data/ring.stl"],
+            "sha256": ["b" * 64],
+            "origin": ["drawn"],
+            "licence": [NASTY],
+            "url": [None],
+            "known_defects": ["none"],
+        }
+    )
+    files = write_model(tmp_path / "results/ring", "ring")
+    _, parts = overview(files, register=register)
+    for text in (
+        "1 of 1 models",
+        "Betti numbers (1, 2, 0)",
+        "12,345 hexes of 4x4x4 cells",
+        "0.7500 of the winding-number volume",
+        "suitable",
+        "3 of 3 as predicted",
+        "boundary_edges",
+        "0.123457",
+        "b" * 64,
+        "drawn",
+    ):
+        assert text in parts.text, text
+
+
+def test_links_are_relative_and_lead_to_files(overview, tmp_path):
+    page, parts = overview(write_model(tmp_path / "results/ring", "ring"))
+    (tmp_path / "results/pinches.png").write_bytes(b"")
+    local = [link for link in parts.links + parts.images if not link.startswith("#")]
+    assert len(local) == 6
+    for link in local:
+        assert not link.startswith(("/", "http"))
+        assert (page.parent / unquote(link)).is_file(), link
+    assert "#model-ring" in parts.links
+
+
+def test_names_and_texts_are_escaped(overview, tmp_path):
+    _, parts = overview(write_model(tmp_path / "results/ring", NASTY))
+    assert "script" not in parts.tags
+    assert parts.text.count(NASTY) >= 7
+
+
+def test_failures_are_counted_and_named(overview, tmp_path):
+    files = [write_model(tmp_path / f"results/{name}", name, holds=name == "a") for name in "ab"]
+    page, parts = overview(*files)
+    assert "1 of 2 models" in parts.text
+    assert page.read_text().count('class="fails"') == 2
+
+
+def test_long_tables_are_cut_and_say_so(overview, tmp_path):
+    _, parts = overview(write_model(tmp_path / "results/ring", "ring", n_rows=MAX_ROWS + 5))
+    assert f"{MAX_ROWS} of {MAX_ROWS + 5} rows" in parts.text
+    assert parts.tags.count("tr") < MAX_ROWS + 20

@@ -1,0 +1,193 @@
+"""`import tusqh` is light, and `tusqh.mesh` gives what the workflow gives, whatever the source."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+import pyvista
+import trimesh
+
+import tusqh
+from tusqh.errors import ConfigError, GeometryError, TopologyError
+from tusqh.meshes.betti import betti_by_boundary
+from tusqh.meshes.export import read_vtu
+from tusqh.pipeline.ingest import ingest
+from tusqh.provenance.hashing import hash_file
+
+FRAME = (
+    [[0, 0], [3, 0], [3, 3], [0, 3], [1, 1], [1, 2], [2, 2], [2, 1]],
+    [[0, 1], [1, 2], [2, 3], [4, 5], [5, 6], [6, 7], [7, 4]],
+)
+
+
+@pytest.fixture(scope="module")
+def torus():
+    return trimesh.creation.torus(10.0, 3.5, major_sections=24, minor_sections=12)
+
+
+@pytest.fixture(scope="module")
+def result(torus):
+    return tusqh.mesh(torus, cells=14, betti=(1, 1, 0), name="ring")
+
+
+def test_importing_tusqh_imports_nothing_heavy():
+    code = (
+        "import sys, tusqh; heavy = {'numpy', 'pandas', 'scipy', 'numba', 'vtk', 'pyvista', "
+        "'trimesh', 'meshio', 'mfem', 'gudhi', 'igl', 'matplotlib', 'snakemake', 'typer'}; "
+        "found = heavy & set(sys.modules); assert not found, found; tusqh.mesh; "
+        "assert 'numpy' in sys.modules; optional = {'pymeshlab', 'mfem', 'skimage', 'snakemake'}; "
+        "assert not optional & set(sys.modules), optional & set(sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_public_names_are_there_and_no_others():
+    assert {"mesh", "Result", "TusqhError", "__version__"} <= set(dir(tusqh))
+    assert all(getattr(tusqh, name) is not None for name in dir(tusqh))
+    with pytest.raises(AttributeError, match="no attribute 'mash'"):
+        _ = tusqh.mash
+
+
+def test_the_result_has_prediction_choice_measurement_and_verdict(result):
+    report = result.report
+    assert report.predicted == report.measured == (1, 1, 0) == betti_by_boundary(result.mesh)
+    assert report.is_met
+    assert report.is_suitable
+    assert 0 < report.selection.threshold <= 1
+    assert "as predicted" in str(report)
+    assert list(result.curves.columns[:4]) == ["upper", "lower", "width", "betti_0"]
+    assert (result.diagram["persistence"] > 0).all()
+    assert result.settings["grid"] == {"cells": 14}
+
+
+def test_the_mesh_converts_to_three_libraries(result):
+    mesh = result.mesh
+    assert mesh.points.shape[1] == 3
+    assert mesh.cells.shape[1] == 8
+    grid, io, native = mesh.to_pyvista(), mesh.to_meshio(), mesh.to_mfem()
+    assert grid.n_cells == len(io.cells[0].data) == native.GetNE() == mesh.n_cells
+    assert grid.n_points == len(io.points) == native.GetNV() == len(mesh.points)
+    assert np.array_equal(grid.points, io.points)
+    assert grid.volume == pytest.approx(result.report.facts["volume"])
+    assert io.cells[0].type == "hexahedron"
+
+
+def test_files_and_objects_and_arrays_give_the_same_fractions(tmp_path, torus, result):
+    torus.export(tmp_path / "ring.ply")
+    sources = [
+        tmp_path / "ring.ply",
+        str(tmp_path / "ring.ply"),
+        trimesh.Scene([torus]),
+        pyvista.wrap(torus),
+        (torus.vertices, torus.faces),
+        (torus.vertices.tolist(), torus.faces.tolist()),
+    ]
+    points = ingest(sources[0]).points  # PLY has single precision.
+    for source in sources:
+        soup = ingest(source)
+        assert np.allclose(soup.points[soup.triangles], points[ingest(sources[0]).triangles])
+    for source in sources[2:]:
+        again = tusqh.mesh(source, cells=14, betti=(1, 1, 0))
+        assert np.array_equal(again.fractions.values, result.fractions.values)
+        assert np.array_equal(again.mesh.cells, result.mesh.cells)
+
+
+def test_arrays_in_the_plane_are_an_outline():
+    result = tusqh.mesh(FRAME, cells=12, betti=(1, 1))
+    assert result.mesh.points.shape[1] == 2
+    assert result.report.measured == (1, 1, 0)
+    assert result.mesh.to_mfem().Dimension() == 2
+    assert result.mesh.to_meshio().cells[0].type == "quad"
+
+
+def test_the_workflow_gives_the_same_files(repository, tmp_path, torus):
+    """Two roads: files between processes, and one call in memory."""
+    torus.export(tmp_path / "ring.stl")
+    (tmp_path / "config").mkdir()
+    (tmp_path / "config/config.yaml").write_text(
+        "models:\n  ring:\n    geometry: ring.stl\n    grid: {cells: 10}\n"
+        "    target: {betti_0: 1, betti_1: 1}\n    components: {min_cells: 2}\n"
+    )
+    command = [sys.executable, "-m", "snakemake", "-s", str(repository / "Snakefile")]
+    targets = ["results/ring/certificate.json", "results/ring/verdict.csv"]
+    done = subprocess.run(
+        [*command, "--cores", "1", *targets], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    result = tusqh.mesh(tmp_path / "ring.stl", cells=10, betti=(1, 1), components={"min_cells": 2})
+    result.save(tmp_path / "folder")
+    names = sorted(path.name for path in (tmp_path / "folder").iterdir())
+    assert len(names) == 16
+    for name in names:
+        of_workflow = tmp_path / "results/ring" / name
+        assert hash_file(tmp_path / "folder" / name) == hash_file(of_workflow), name
+
+
+def test_saved_results_hold_their_certificate(tmp_path, result):
+    result.save(tmp_path)
+    certificate = json.loads((tmp_path / "certificate.json").read_text())
+    assert certificate["holds"] is True
+    assert certificate["model"] == "ring"
+    assert pd.read_csv(tmp_path / "verdict.csv")["holds"].isin(["yes", "not run"]).all()
+    for suffix in ("vtu", "msh", "mesh", "exo", "inp"):
+        result.write(tmp_path / f"part.{suffix}")
+        assert (tmp_path / f"part.{suffix}").stat().st_size > 1000
+    assert np.array_equal(read_vtu(tmp_path / "part.vtu").cells, result.mesh.cells)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "parts"),
+    [
+        ({"cells": 0}, ["cells", "found 0", "positive whole number"]),
+        ({"cells": 8.5}, ["cells", "found 8.5"]),
+        ({"cells": 8, "cell_size": 0.1}, ["cells", "one of the two"]),
+        ({"cell_size": -1}, ["cell_size", "positive length"]),
+        ({"betti": (1, -1)}, ["betti", "found -1"]),
+        ({"betti": "100"}, ["betti", "found '100'"]),
+        ({"betti": (None, None)}, ["betti", "at least one number"]),
+        ({"betti": ({"least": 1},)}, ["betti", "'least'", "min"]),
+        ({"betti": (1, 0, 0, 0)}, ["up to three"]),
+        ({"betti": (1,), "threshold": 0.5}, ["threshold and betti", "one of them"]),
+        ({"rule": "clamp"}, ["rule", "found 'clamp'", "average, clamped"]),
+        ({"bridges": "some"}, ["bridges", "forest, all, none"]),
+        ({"volume": "same"}, ["volume", "match"]),
+        ({"components": {"min_cell": 3}}, ["components", "min_cells"]),
+        ({"window": ((0, 0, 0), (1, 0, 1))}, ["window", "above the lowest one"]),
+        ({"image": {"voxel": 3}}, ["image", "voxel_size"]),
+        ({"window": 3}, ["window", "lowest and its highest"]),
+    ],
+)
+def test_bad_arguments_are_explained(arguments, parts):
+    with pytest.raises(ConfigError) as caught:
+        tusqh.mesh(FRAME, **arguments)
+    for part in parts:
+        assert part in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("source", "message"),
+    [
+        (3.5, "type float is no geometry"),
+        (np.zeros((4, 4)), r"shape \(4, 4\)"),
+        (([[0, 0, 0]], [[0, 1]]), r"shapes \(1, 3\) and \(1, 2\)"),
+        (([[0, 0, "x"]], [[0, 0, 0]]), "not numbers"),
+        (([[0, 0], [1, 0]], [[0, 5]]), "out of the range 0 .. 1"),
+        (([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 7]]), "corners out of range"),
+        (([[0, 0], [1, 0]], [[0, 0.5]]), "no whole numbers"),
+        (trimesh.Trimesh(), "no triangle"),
+        ("no_such_file.stl", "no such file"),
+    ],
+)
+def test_sources_that_are_none_are_explained(source, message):
+    with pytest.raises(GeometryError, match=message):
+        tusqh.mesh(source)
+
+
+def test_what_cannot_be_reached_is_listed():
+    with pytest.raises(TopologyError, match="no threshold gives betti_0 = 7") as caught:
+        tusqh.mesh(FRAME, cells=12, betti=(7,))
+    assert "betti_0 = 1, betti_1 = 1" in str(caught.value)

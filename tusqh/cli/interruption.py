@@ -1,0 +1,28 @@
+"""Being stopped by Ctrl-C or a scheduler: a message, and nothing half-written stays behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+
+_caught: list[int] = []
+
+
+def catch_signals() -> None:
+    """Turn SIGINT and SIGTERM into an error that cleans up like any other."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, _stop)
+
+
+def stop_if_interrupted() -> None:
+    """Raise again when a library swallowed the error, as some do while they are imported."""
+    if _caught:
+        raise KeyboardInterrupt
+
+
+def _stop(number: int, _frame: object) -> None:
+    if _caught:  # Asked twice: at once.
+        os._exit(128 + number)
+    _caught.append(number)
+    os.write(2, b"interrupted: unfinished files are removed, existing ones stay as they were\n")
+    raise KeyboardInterrupt

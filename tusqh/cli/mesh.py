@@ -1,0 +1,164 @@
+"""`tusqh mesh`: a quad or hex mesh with the topology that was asked for."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, cast
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from tusqh.cli import options
+from tusqh.cli.progress import shown
+from tusqh.cli.show import report_error
+from tusqh.errors import OutputError, TopologyError
+
+if TYPE_CHECKING:
+    from tusqh.pipeline.result import Report
+
+Output = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--output",
+        "-o",
+        help="Mesh file, by suffix: .vtu (ParaView, meshio, MFEM), .mesh (MFEM), .msh (Gmsh), "
+        ".exo (Exodus), .inp (Abaqus); may be given several times. (default GEOMETRY.vtu)",
+    ),
+]
+Results = Annotated[
+    Path | None,
+    typer.Option(
+        "--results",
+        help="Folder for everything that led to the mesh: diagram, certificate, verdict, ...",
+    ),
+]
+
+
+def mesh(
+    geometry: options.Source,
+    output: Output = None,
+    results: Results = None,
+    cells: options.Cells = None,
+    cell_size: options.CellSize = None,
+    betti: options.Betti = None,
+    threshold: options.Threshold = None,
+    persistence: options.Persistence = None,
+    match_volume: options.MatchVolume = False,
+    window: options.Window = None,
+    domain: options.Domain = "inside",
+    samples: options.Samples = 4,
+    rule: options.Rule = "average",
+    orientation: options.Orientation = "auto",
+    min_cells: options.MinCells = None,
+    voxel_size: options.VoxelSize = None,
+    empty: options.Empty = None,
+    full: options.Full = None,
+    mixed_pinches: Annotated[
+        str, typer.Option(help="Adjacent pinches that disagree: separate, connect, majority.")
+    ] = "separate",
+    bridges: Annotated[
+        str, typer.Option(help="2D: join islands along interior edges: forest, all, none.")
+    ] = "forest",
+    as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
+) -> None:
+    """Mesh a dirty geometry with the topology you ask for.
+
+    Exit code 0: the mesh measures the topology that was asked for and predicted, and no check
+    fails; 1: no threshold gives it, or a check fails; 2: bad input or output.
+
+    For example:
+
+    * `tusqh mesh part.stl --cells 64 --betti 1,0,0 -o part.vtu`
+
+    * `tusqh mesh bearing.stl --rule clamped --betti 3,* -o bearing.msh -o bearing.inp`
+
+    * `tusqh mesh map.geojson --domain outside --threshold 0.4 --results out/map`
+    """
+    outputs = output or [Path(Path(geometry).stem + ".vtu")]
+    _require_outputs(geometry, outputs, results)
+    from tusqh.pipeline.mesh import mesh as make_mesh
+
+    try:
+        with shown() as progress:
+            result = make_mesh(
+                geometry,
+                cells=cells,
+                cell_size=cell_size,
+                betti=betti,
+                threshold=threshold,
+                persistence=persistence,
+                volume="match" if match_volume else None,
+                window=window,
+                domain=cast(Any, domain),
+                samples=samples,
+                rule=cast(Any, rule),
+                orientation=cast(Any, orientation),
+                mixed_pinches=cast(Any, mixed_pinches),
+                bridges=cast(Any, bridges),
+                components=None if min_cells is None else {"min_cells": min_cells},
+                image=options.to_image(voxel_size, empty, full),
+                progress=progress,
+            )
+    except TopologyError as error:
+        report_error(str(error))
+        raise typer.Exit(1) from None
+    if results is not None:
+        result.save(results)
+    for path in outputs:
+        result.write(path)
+    report = result.report
+    if as_json:
+        typer.echo(json.dumps(_to_plain(report), indent=2))
+    else:
+        _show(report, outputs if results is None else [*outputs, results])
+    raise typer.Exit(0 if report.is_met and report.is_suitable else 1)
+
+
+def _require_outputs(geometry: str, outputs: list[Path], results: Path | None) -> None:
+    """Raise before any work when an output cannot be written."""
+    from tusqh.atomic import require_writable
+    from tusqh.meshes.formats import require_format
+
+    for path in outputs:
+        require_format(path)
+        require_writable(path)
+        if path.exists() and Path(geometry).exists() and path.samefile(geometry):
+            raise OutputError(
+                "the mesh would replace the geometry",
+                where=str(path),
+                expected="another name for the mesh",
+                remedy=f"add for instance -o {path.with_stem(path.stem + '_mesh')}",
+            )
+    if results is not None:
+        require_writable(results / "mesh.vtu")
+
+
+def _show(report: Report, written: list[Path]) -> None:
+    """Print the report, and what fails."""
+    table = Table.grid(padding=(0, 2))
+    for title, text in report.lines().items():
+        table.add_row(title, text)
+    table.add_row("written", ", ".join(str(path) for path in written))
+    console = Console(highlight=False, markup=False)
+    console.print(table)
+    failed = report.verdict[report.verdict["holds"] == "no"]
+    for row in failed.itertuples():
+        console.print(f"fails: {row.name}: {row.found}, required {row.required}", style="red")
+
+
+def _to_plain(report: Report) -> dict[str, Any]:
+    chosen = report.selection
+    return {
+        "model": report.name,
+        "wanted": chosen.wanted,
+        "threshold": chosen.threshold,
+        "margin": chosen.margin,
+        "predicted": list(report.predicted),
+        "measured": list(report.measured),
+        "met": report.is_met,
+        "suitable": report.is_suitable,
+        "mesh": report.facts,
+        "checks": report.verdict.to_dict("records"),
+    }

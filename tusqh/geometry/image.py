@@ -1,0 +1,147 @@
+"""The image: voxels in space that say how much of each is material."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tusqh.errors import GeometryError
+from tusqh.grid import FloatArray
+
+
+@dataclass(frozen=True)
+class Image:
+    """Cubic voxels of constant volume fraction, as they were measured; nothing is filtered.
+
+    Parameters
+    ----------
+    voxels
+        Grey values, shape (nx, ny, nz), any real dtype, indexed ``[i, j, k]`` = (x, y, z).
+    voxel_size
+        Edge length of a voxel, in the units of the model.
+    empty, full
+        Grey values of fraction 0 and of fraction 1; in between it is linear, beyond it is cut.
+        ``empty > full`` makes dark voxels the material.
+    origin
+        Lowest corner of voxel (0, 0, 0), in the units of the model.
+    name
+        Where it came from, for messages.
+
+    Raises
+    ------
+    GeometryError
+        Not three axes, no voxel, values that are no finite real numbers, a voxel size that is
+        not positive, or equal `empty` and `full`.
+
+    Examples
+    --------
+    >>> image = Image(np.array([[[0, 50, 200]]], dtype=np.uint8), 0.5, empty=0, full=100)
+    >>> image.fractions().tolist(), image.bounding_box()
+    ([[[0.0, 0.5, 1.0]]], ((0.0, 0.0, 0.0), (0.5, 0.5, 1.5)))
+    """
+
+    voxels: NDArray[Any]
+    voxel_size: float = 1.0
+    empty: float = 0.0
+    full: float = 1.0
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    name: str = "image"
+
+    def __post_init__(self) -> None:
+        if self.voxels.ndim != 3 or self.voxels.size == 0:
+            raise _wrong(
+                f"the image has shape {self.voxels.shape}",
+                self.name,
+                "three axes (x, y, z) with at least one voxel each",
+                "give a stack of grey images, not one slice and no colours",
+            )
+        if self.voxels.dtype.kind not in "buif" or not np.isfinite(self.voxels).all():
+            raise _wrong(
+                f"voxels of type {self.voxels.dtype} are not all finite real numbers",
+                self.name,
+                "grey values",
+                "replace NaN and infinite voxels by what they should be",
+            )
+        if not (np.isfinite(self.voxel_size) and self.voxel_size > 0):
+            raise _wrong(
+                f"the voxel size is {self.voxel_size}",
+                self.name,
+                "a positive length",
+                "give `voxel_size` in the units of the model",
+            )
+        if not (np.isfinite([self.empty, self.full]).all() and self.empty != self.full):
+            raise _wrong(
+                f"`empty` is {self.empty} and `full` is {self.full}",
+                self.name,
+                "two different grey values",
+                "give the grey values of no material and of nothing but material",
+            )
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Number of voxels along each axis."""
+        n_x, n_y, n_z = self.voxels.shape
+        return n_x, n_y, n_z
+
+    def bounding_box(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Return the lowest and the highest corner of the image."""
+        upper = np.add(self.origin, np.multiply(self.shape, self.voxel_size))
+        return tuple(float(x) for x in self.origin), tuple(upper.tolist())
+
+    def fractions(self, part: Any = ...) -> FloatArray:
+        """Return the volume fractions of the voxels, or of a part of them, in [0, 1]."""
+        values = self.voxels[part].astype(np.float64)
+        return np.asarray(np.clip((values - self.empty) / (self.full - self.empty), 0.0, 1.0))
+
+    @classmethod
+    def from_voxels(
+        cls,
+        voxels: NDArray[Any],
+        *,
+        voxel_size: float = 1.0,
+        empty: float | None = None,
+        full: float | None = None,
+        name: str = "image",
+    ) -> Image:
+        """Return the image of grey values, with what is usual for their type.
+
+        Truth values and floats are fractions already.  Of integers 0 is empty and the greatest
+        value in the image is full.
+
+        Raises
+        ------
+        GeometryError
+            As `Image`; or there are floats beyond 0 and 1 and nothing says what they mean.
+
+        Examples
+        --------
+        >>> Image.from_voxels(np.array([[[0, 255]]], dtype=np.uint8)).full
+        255.0
+        """
+        is_known = empty is not None or full is not None
+        greatest = 1.0
+        if voxels.dtype.kind in "ui" and voxels.size:
+            greatest = float(max(voxels.max(), 1))
+        image = cls(
+            voxels=voxels,
+            voxel_size=float(voxel_size),
+            empty=0.0 if empty is None else float(empty),
+            full=greatest if full is None else float(full),
+            name=name,
+        )
+        if not is_known and (voxels.min() < 0 or voxels.max() > greatest):
+            raise _wrong(
+                f"the grey values go from {voxels.min():g} to {voxels.max():g}",
+                name,
+                "fractions between 0 and 1, or `empty` and `full`",
+                "give the grey values of no material (`empty`) and of nothing but material "
+                "(`full`)",
+            )
+        return image
+
+
+def _wrong(found: str, name: str, expected: str, remedy: str) -> GeometryError:
+    return GeometryError(found, where=name, expected=expected, remedy=remedy)

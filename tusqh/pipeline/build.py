@@ -1,0 +1,102 @@
+"""Stage 5: the manifold mesh at the chosen threshold, and its certificate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tusqh.antialias.cells import CellSets
+from tusqh.antialias.policy import Policy
+from tusqh.antialias.resolve import Resolved, build_mesh, describe_mesh
+from tusqh.atomic import write_text
+from tusqh.certificate import make_certificate
+from tusqh.meshes.export import write_vtu
+from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.provenance.hashing import canonical_json
+from tusqh.sampling.fractions import VolumeFractions
+from tusqh.tables import write_csv
+from tusqh.threshold.select import Selection
+
+
+@dataclass(frozen=True)
+class Built:
+    """A mesh and what it was made of.
+
+    Parameters
+    ----------
+    selection
+        The threshold and why it was chosen.
+    fractions
+        The volume fractions that were cut at it.
+    resolved
+        The mesh with its cells, decisions, bridges and dropped features.
+    facts
+        Plain numbers about the mesh, which tables quote.
+    """
+
+    selection: Selection
+    fractions: VolumeFractions
+    resolved: Resolved
+    facts: dict[str, Any]
+
+    @property
+    def mesh(self) -> VolumeMesh:
+        """The mesh."""
+        return self.resolved.mesh
+
+    def write_mesh(self, path: Path) -> None:
+        """Write the mesh as VTU, with the volume fraction of the cell each element lies in."""
+        in_cell = self.fractions.cells.ravel()[self.mesh.grid_cell]
+        write_vtu(path, self.mesh, cell_data={"volume_fraction": in_cell})
+
+    def write(
+        self,
+        *,
+        fractions: Path,
+        mesh: Path,
+        certificate: Path,
+        features: Path,
+        bridges: Path,
+        facts: Path,
+    ) -> None:
+        """Write the mesh, its certificate and its tables.
+
+        Parameters
+        ----------
+        fractions
+            Where the fractions are already, in the folder of the mesh; the certificate names it.
+        mesh, certificate, features, bridges, facts
+            Files to write; the certificate is measured on the mesh as it was written.
+
+        Raises
+        ------
+        MeshError
+            The mesh does not have the predicted topology, or a check fails.
+        """
+        cells = self.resolved.cells
+        self.write_mesh(mesh)
+        claim = make_certificate(self.selection, cells, mesh, fractions, name=self.mesh.name)
+        write_csv(features, cells.dropped)
+        write_csv(bridges, cells.bridge_table)
+        write_text(certificate, canonical_json(claim))
+        write_text(facts, canonical_json(self.facts))
+
+
+def build(fractions: VolumeFractions, selection: Selection, *, name: str = "model") -> Built:
+    """Return the mesh of volume fractions at a chosen threshold, every pinch resolved.
+
+    Raises
+    ------
+    MeshError
+        A pinch cannot be resolved, which is a fault of tusqh, never of the geometry.
+    """
+    policy = Policy.from_settings(selection.policy)
+    cells = CellSets(fractions, policy).at(selection.threshold)
+    resolved = build_mesh(cells, fractions.grid, name=name)
+    facts = {
+        "threshold": selection.threshold,
+        "margin": selection.margin,
+        **describe_mesh(resolved, fractions),
+    }
+    return Built(selection, fractions, resolved, facts)

@@ -1,0 +1,158 @@
+"""All stages in one call: from a geometry to a judged mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from tusqh.antialias.policy import BridgeMode, MixedPinches
+from tusqh.pipeline.build import build
+from tusqh.pipeline.ingest import describe, ingest
+from tusqh.pipeline.judge import judge
+from tusqh.pipeline.persistence import find_persistence
+from tusqh.pipeline.result import Result
+from tusqh.pipeline.sample import sample
+from tusqh.pipeline.select import select
+from tusqh.pipeline.settings import GOALS, POLICY, SAMPLING, Betti, pick, to_settings
+from tusqh.progress import Progress, log_progress
+from tusqh.sampling.fractions import Domain, Orientation, Rule
+
+
+def mesh(
+    source: Any,
+    *,
+    cells: int | Sequence[int] | None = None,
+    cell_size: float | None = None,
+    betti: Betti | None = None,
+    threshold: float | None = None,
+    persistence: float | None = None,
+    volume: str | None = None,
+    window: Sequence[Sequence[float]] | None = None,
+    domain: Domain = "inside",
+    samples: int = 4,
+    rule: Rule = "average",
+    orientation: Orientation = "auto",
+    mixed_pinches: MixedPinches = "separate",
+    bridges: BridgeMode = "forest",
+    components: Mapping[str, Any] | None = None,
+    holes: Mapping[str, Any] | None = None,
+    voids: Mapping[str, Any] | None = None,
+    image: Mapping[str, float] | None = None,
+    name: str | None = None,
+    progress: Progress = log_progress,
+) -> Result:
+    """Return the quad or hex mesh of a dirty geometry, with the topology that was asked for.
+
+    Parameters
+    ----------
+    source
+        A path, a mesh of trimesh or pyvista, arrays (points, triangles), or an array of voxels,
+        see `tusqh.pipeline.ingest.ingest`.
+    cells
+        Cells along the longest side (64 by default), or one number for each axis.
+    cell_size
+        Edge length of a cell, in units of the geometry, instead of `cells`.
+    betti
+        Wanted numbers of components, holes and voids: ``(1, 0, 0)``.  Each may be a number, a
+        list, ``{"min": 1, "max": 3}``, or None for any.
+    threshold
+        Instead: keep cells with at least this volume fraction; 0.5 when nothing is asked for.
+    persistence
+        Instead: keep only features that live over at least this range of thresholds.
+    volume
+        Instead: ``"match"`` takes the threshold whose mesh has the volume of the geometry.
+    window
+        Lowest and highest corner of the box to mesh in; the bounding box by default.
+    domain
+        Mesh what the geometry encloses, or (``"outside"``) what it leaves out of the window.
+    samples
+        Samples along each side of a cell, even.
+    rule
+        ``"clamped"`` clips samples to [0, 1], right for parts that overlap.
+    orientation
+        ``"auto"`` turns geometries that are inside out; ``"as-is"``, ``"flip"``.
+    mixed_pinches
+        What to do with adjacent pinches that disagree: ``"separate"``, ``"connect"`` or
+        ``"majority"``.
+    bridges
+        2D: join components along interior edges, ``"forest"``, ``"all"`` or ``"none"``.
+    components, holes, voids
+        What these need to stay, as ``{"min_cells": 4}``, see
+        `tusqh.antialias.policy.Criteria`.
+    image
+        For voxels: ``{"voxel_size": 0.1, "empty": 0, "full": 255}``, see
+        `tusqh.geometry.image.Image.from_voxels`.
+    name
+        What files and messages call the model; the name of the file by default.
+    progress
+        Shows how far long work is; lines in the log ``tusqh`` by default.
+
+    Returns
+    -------
+    result
+        `mesh`, `diagram`, `curves`, `report` and all that led to them.
+
+    Raises
+    ------
+    ConfigError
+        An argument is out of range, or two of them contradict each other.
+    GeometryError
+        The source cannot be read or is empty.
+    SamplingError
+        Grid and geometry do not fit each other, or there is nothing inside.
+    TopologyError
+        No threshold gives what was asked for; the message lists what is reachable.
+
+    Examples
+    --------
+    A square frame whose border is open in one place:
+
+    >>> import tusqh
+    >>> points = [[0, 0], [3, 0], [3, 3], [0, 3], [1, 1], [1, 2], [2, 2], [2, 1]]
+    >>> lines = [[0, 1], [1, 2], [2, 3], [4, 5], [5, 6], [6, 7], [7, 4]]
+    >>> result = tusqh.mesh((points, lines), cells=12, betti=(1, 1), name="frame")
+    >>> print(result.report.measured, result.report.is_suitable, result.mesh.cells.shape[1])
+    (1, 1, 0) True 4
+    """
+    settings = to_settings(
+        cells=cells,
+        cell_size=cell_size,
+        betti=betti,
+        window=window,
+        threshold=threshold,
+        persistence=persistence,
+        volume=volume,
+        domain=domain,
+        samples=samples,
+        rule=rule,
+        orientation=orientation,
+        mixed_pinches=mixed_pinches,
+        bridges=bridges,
+        components=components,
+        holes=holes,
+        voids=voids,
+        image=image,
+    )
+    if name is None:
+        name = Path(source).stem if isinstance(source, (str, Path)) else "model"
+    progress("reading")
+    geometry = ingest(source, name=name, image=settings.get("image"))
+    defects = describe(geometry)
+    fractions = sample(geometry, **pick(settings, ("grid", "window", *SAMPLING)), progress=progress)
+    progress("persistence")
+    found = find_persistence(fractions, name=name)
+    choice = select(
+        fractions,
+        found.curves,
+        found.diagram,
+        policy=pick(settings, POLICY),
+        wanted=pick(settings, GOALS),
+        name=name,
+        progress=progress,
+    )
+    progress("mesh")
+    built = build(fractions, choice.selection, name=name)
+    progress("quality")
+    judgement = judge(built.mesh, choice.selection.predicted)
+    return Result(geometry, defects, fractions, found, choice, built, judgement, settings)

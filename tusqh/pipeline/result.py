@@ -1,0 +1,203 @@
+"""What a mesh comes with: prediction, choice, measurement, verdict, and every table."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from tusqh.atomic import write_text
+from tusqh.geometry.files import Geometry, write_geometry
+from tusqh.meshes.formats import write_mesh
+from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.pipeline.build import Built
+from tusqh.pipeline.judge import Judgement
+from tusqh.pipeline.persistence import Persistence
+from tusqh.pipeline.select import Choice
+from tusqh.provenance.hashing import canonical_json
+from tusqh.sampling.fractions import VolumeFractions
+from tusqh.sampling.io import save_fractions
+from tusqh.tables import write_csv
+from tusqh.threshold.select import Selection
+from tusqh.topology.betti_numbers import BettiNumbers
+
+
+@dataclass(frozen=True)
+class Report:
+    """What was asked for, predicted, chosen and measured, and the verdict.
+
+    Parameters
+    ----------
+    name
+        The model.
+    selection
+        The threshold, why it was chosen and how far it can move.
+    facts
+        Plain numbers about the mesh: cells, elements, pinches, volume and so on.
+    elements
+        Element metrics, summarised.
+    verdict
+        One row per check: `name`, `found`, `required`, `holds` (yes, no or not run).
+    """
+
+    name: str
+    selection: Selection
+    facts: dict[str, Any]
+    elements: pd.DataFrame
+    verdict: pd.DataFrame
+
+    @property
+    def predicted(self) -> BettiNumbers:
+        """Betti numbers that were predicted before meshing."""
+        return self.selection.predicted
+
+    @property
+    def measured(self) -> BettiNumbers:
+        """Betti numbers of the mesh, by its Euler characteristic."""
+        return BettiNumbers(*self.facts["betti_measured"])
+
+    @property
+    def is_met(self) -> bool:
+        """Whether the mesh measures what was predicted, which is what was asked for."""
+        return self.measured == self.predicted
+
+    @property
+    def is_suitable(self) -> bool:
+        """Whether no check of the verdict fails."""
+        return Judgement(self.elements, self.verdict).is_suitable
+
+    def lines(self) -> dict[str, str]:
+        """Return the report in a few lines, each with its title."""
+        chosen, facts = self.selection, self.facts
+        return {
+            "wanted": chosen.wanted,
+            "predicted": f"Betti numbers {self.predicted}",
+            "threshold": f"{chosen.threshold:.6g}, holds within +-{chosen.margin:.3g}; "
+            + chosen.reason,
+            "measured": f"Betti numbers {self.measured}, "
+            + ("as predicted" if self.is_met else "NOT as predicted"),
+            "mesh": f"{facts['elements']:,} {'hexes' if facts['dimension'] == 3 else 'quads'} of "
+            f"{facts['grid']} cells, {facts['pinches']} pinches resolved, volume "
+            f"{facts['volume'] / facts['winding_volume']:.4f} of the winding-number volume",
+            "verdict": str(Judgement(self.elements, self.verdict)),
+        }
+
+    def __str__(self) -> str:
+        return "\n".join(f"{title:<10} {text}" for title, text in self.lines().items())
+
+
+@dataclass(frozen=True)
+class Result:
+    """A mesh with everything that led to it.
+
+    Parameters
+    ----------
+    geometry
+        The outline, soup or image, as it is.
+    defects
+        What is dirty about it, one row per kind.
+    fractions
+        Volume fractions of cells and sub-cells.
+    persistence
+        Betti curves and persistence diagram of the fractions.
+    choice
+        The threshold, the topology at every other one, and the candidates.
+    built
+        The mesh, with cells, decisions, bridges and dropped features.
+    judgement
+        Every check of the mesh.
+    settings
+        What was asked for, as a model's block of the configuration without its `geometry`.
+    """
+
+    geometry: Geometry
+    defects: pd.DataFrame
+    fractions: VolumeFractions
+    persistence: Persistence
+    choice: Choice
+    built: Built
+    judgement: Judgement
+    settings: dict[str, Any]
+
+    @property
+    def name(self) -> str:
+        """The model."""
+        return self.mesh.name
+
+    @property
+    def mesh(self) -> VolumeMesh:
+        """The mesh: `points`, `cells`, `to_pyvista()`, `to_meshio()`, `to_mfem()`."""
+        return self.built.mesh
+
+    @property
+    def diagram(self) -> pd.DataFrame:
+        """Persistence pairs, with the cells that create and destroy each class."""
+        return self.persistence.diagram
+
+    @property
+    def curves(self) -> pd.DataFrame:
+        """Raw Betti numbers of every plateau of the threshold."""
+        return self.persistence.curves
+
+    @property
+    def topologies(self) -> pd.DataFrame:
+        """Betti numbers that meshes have, by plateau of the threshold."""
+        return self.choice.topologies
+
+    @property
+    def selection(self) -> Selection:
+        """The threshold, why it was chosen and how robust the choice is."""
+        return self.choice.selection
+
+    @property
+    def report(self) -> Report:
+        """What was asked for, predicted, chosen and measured, and the verdict."""
+        judged = self.judgement
+        facts = self.built.facts
+        return Report(self.name, self.selection, facts, judged.elements, judged.verdict)
+
+    def write(self, path: Path | str) -> None:
+        """Write the mesh in the format of the suffix: .vtu, .mesh, .msh, .exo or .inp.
+
+        Raises
+        ------
+        MeshError
+            The suffix names no format.
+        """
+        path = Path(path)
+        if path.suffix == ".vtu":
+            self.built.write_mesh(path)
+        else:
+            write_mesh(path, self.mesh)
+
+    def save(self, folder: Path | str) -> None:
+        """Write every file that the workflow writes up to the verdict, under the same names.
+
+        `tusqh check FOLDER/mesh.vtu` then recomputes the certificate.
+        """
+        folder = Path(folder)
+        write_geometry(folder / "geometry.vtp", self.geometry)
+        save_fractions(folder / "fractions.npz", self.fractions)
+        tables = {
+            "defects": self.defects,
+            "diagram": self.diagram,
+            "diagonal": self.persistence.diagonal,
+            "plateaus": self.curves,
+            "topologies": self.topologies,
+            "candidates": self.choice.candidates,
+            "elements": self.judgement.elements,
+            "verdict": self.judgement.verdict,
+        }
+        for name, table in tables.items():
+            write_csv(folder / f"{name}.csv", table)
+        write_text(folder / "threshold.json", canonical_json(asdict(self.selection)))
+        self.built.write(
+            fractions=folder / "fractions.npz",
+            mesh=folder / "mesh.vtu",
+            certificate=folder / "certificate.json",
+            features=folder / "features.csv",
+            bridges=folder / "bridges.csv",
+            facts=folder / "mesh.json",
+        )
