@@ -18,7 +18,8 @@ from tusqh.geometry.files import PACKAGE, locate
 LAYERS = [
     *("errors", "atomic", "progress", "grid", "geometry", "sampling", "topology", "meshes"),
     *("antialias", "threshold", "simulate", "quality", "figures", "tables", "provenance"),
-    *("certificate", "pipeline", "overview", "config", "add_model", "cli", "__main__"),
+    *("certificate", "pipeline", "explorer", "overview", "config", "add_model", "cli"),
+    "__main__",
 ]
 
 
