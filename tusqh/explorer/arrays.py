@@ -87,7 +87,8 @@ def plateau_arrays(cell_sets: CellSets, curves: pd.DataFrame, topologies: pd.Dat
     for k, name in enumerate(BETTI):
         arrays[f"raw_{k}"] = curves[name].to_numpy()[of_curve].astype(np.int32)
     of_mesh = _row_of(topologies, upper)
-    is_examined = _to_keys(topologies["upper"].to_numpy())[of_mesh] >= upper
+    ends_of = [_to_keys(topologies[end].to_numpy())[of_mesh] for end in ("lower", "upper")]
+    is_examined = (ends_of[0] < upper) & (upper <= ends_of[1])
     columns = {"clusters": "clusters", "bridges": "bridges"}
     for key, name in (columns | {f"mesh_{k}": name for k, name in enumerate(BETTI)}).items():
         found = topologies[name].to_numpy()[of_mesh]
@@ -99,7 +100,7 @@ def _toggles(cell_sets: CellSets, topologies: pd.DataFrame, of_mesh: IntArray) -
     """Return which cells change, from plateau to plateau, whether they go by their fraction."""
     cells = cell_sets.fractions.cells
     thresholds = topologies["threshold"].to_numpy()
-    is_special = (topologies[["removed", "filled"]].to_numpy() > 0).any(axis=1)
+    is_special = np.asarray((topologies["removed"] > 0) | (topologies["filled"] > 0))
     before = nothing = np.empty(0, dtype=np.int64)
     known = {-1: nothing}
     changes = []

@@ -72,7 +72,7 @@ class Explorer {
     const { tables } = this.facts;
     fillPanel(byId('panel-defects'), [{
       title: 'What is dirty about the geometry, measured and left as it is', table: tables.defects,
-      options: { classes: { explanation: SMALL, defect: WIDE, unit: SMALL } },
+      options: { under: 'explanation', classes: { defect: WIDE, unit: SMALL } },
     }]);
     fillPanel(byId('panel-quality'), [
       { title: 'Checks of the final mesh', table: tables.verdict, options: { classes: { holds: PASSES, name: WIDE, found: WIDE } } },
@@ -180,6 +180,8 @@ class Explorer {
       mesh: [['plain', 'templates'], ['quality', 'scaled Jacobian']],
       geometry: [['plain', this.isFlat ? 'plain' : 'front and back']],
     }[view];
+    byId('cut-axis').disabled = view === 'geometry';
+    this.allowCut();
     const colour = byId('colour');
     const before = colour.value;
     colour.replaceChildren(...modes.map(([value, text]) => new Option(text, value)));
@@ -202,9 +204,13 @@ class Explorer {
     this.writeLegend(mode);
   }
 
+  allowCut() {
+    byId('cut-at').disabled = this.view === 'geometry' || byId('cut-axis').value === '';
+  }
+
   setCutAxis() {
+    this.allowCut();
     const [axis, at] = [byId('cut-axis').value, byId('cut-at')];
-    at.disabled = axis === '';
     if (axis !== '') {
       at.max = this.faces.shape[axis];
       at.value = Math.ceil(this.faces.shape[axis] / 2);

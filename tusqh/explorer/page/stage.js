@@ -90,10 +90,10 @@ class Stage {
       tall = Math.max(tall, Math.abs(at.y));
     }
     const { clientWidth: width, clientHeight: height } = this.box;
-    const margin = this.isFlat ? 40 : 34;
+    const margin = this.isFlat ? 40 : 44;
     this.camera.top = Math.max(
       tall * height / Math.max(height - 2 * margin, 50),
-      wide * height / Math.max(width - 2 * (margin + 20), 50),
+      wide * height / Math.max(width - 2 * (margin + 26), 50),
     );
     this.camera.zoom = 1;
     this.resize();

@@ -1,9 +1,15 @@
 'use strict';
 // Tables of the results; every name goes in as text, never as markup.
 
-/** Return a table of rows, numbers to the right. */
-function makeTable({ columns, rows }, { classes = {}, hide = [], digits = 6 } = {}) {
-  const shown = columns.map((name, c) => ({ name, c })).filter(({ name }) => !hide.includes(name));
+/**
+ * Return a table of rows, numbers to the right.
+ * @param options `classes` of cells by column; columns to `hide`; `digits` of numbers; the column
+ *   whose text goes in small print `under` the first one
+ */
+function makeTable({ columns, rows }, { classes = {}, hide = [], digits = 6, under = null } = {}) {
+  const shown = columns.map((name, c) => ({ name, c }))
+    .filter(({ name }) => name !== under && !hide.includes(name));
+  const small = columns.indexOf(under);
   const table = element('table');
   const head = table.createTHead().insertRow();
   const isNumber = (c) => rows.length > 0 && rows.every((row) => typeof row[c] !== 'string');
@@ -19,6 +25,7 @@ function makeTable({ columns, rows }, { classes = {}, hide = [], digits = 6 } = 
       const given = classes[name] ? classes[name](row[c]) : '';
       line.append(element('td', given || (isNumber(c) ? 'number' : ''), show(row[c], digits)));
     }
+    if (small >= 0 && row[small]) line.cells[0].append(element('small', '', row[small]));
   }
   return table;
 }
@@ -46,13 +53,13 @@ class TopologyTable {
     this.plateaus = plateaus;
     const names = dimensions.map((k) => DIMENSION_NAMES[k][1]);
     const table = makeTable({
-      columns: ['below or at', 'above', ...names, 'width', ''],
+      columns: ['below or at', 'above', ...names, 'width', 'mark'],
       rows: plateaus.runs.map((run) => [
-        show(run.upper), show(run.lower), ...dimensions.map((k) => run.betti[k]),
+        show(run.upper, 5), show(run.lower, 5), ...dimensions.map((k) => run.betti[k]),
         Number((run.upper - run.lower).toPrecision(3)),
         run.start <= plateaus.chosen && plateaus.chosen <= run.end ? 'chosen' : '',
       ]),
-    });
+    }, { under: 'mark' });
     panel.append(
       element('h2', '', 'Topology of the mesh at every threshold'),
       element('p', 'empty', 'One row for each range of thresholds whose meshes have the same Betti numbers.'),
