@@ -9,7 +9,6 @@ import json
 import math
 import re
 from dataclasses import asdict
-from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -24,17 +23,12 @@ from tusqh.explorer.arrays import (
     pair_arrays,
     plateau_arrays,
 )
+from tusqh.explorer.assets import STYLE, TEMPLATE, read_asset, read_script, read_three
 from tusqh.explorer.encode import pack
 from tusqh.explorer.subject import Subject
 from tusqh.meshes.volume_mesh import KINDS
 from tusqh.quality.verdict import overall
 from tusqh.threshold.plateaus import BETTI
-
-#: The scripts of the page in the order in which they are read.
-SCRIPTS = (
-    *("colours", "payload", "plateaus", "faces", "shaders", "layers", "stage", "axes"),
-    *("curves", "diagram", "tables", "main"),
-)
 
 #: Suffixes of formats whose convention is that y points up.
 _Y_UP = (".obj", ".glb", ".gltf")
@@ -63,18 +57,16 @@ def make_page(subject: Subject, *, y_up: bool = False) -> str:
         "up": "y" if y_up else "z",
         "manifests": {name: packed.manifest for name, packed in blocks.items()},
     }
-    script = "\n".join(_read(f"page/{name}.js") for name in SCRIPTS)
-    licence = _read("vendor/three.LICENSE").replace("*/", "")
-    three = f"/*! three.js\n{licence}*/\n{_read('vendor/three.iife.min.js')}"
+    three, script = read_three(), read_script()
     payloads = "\n".join(
         f'<script type="text/plain" id="data-{name}">{packed.text}</script>'
         for name, packed in blocks.items()
     )
     return fill(
-        _read("page/template.html"),
+        read_asset(TEMPLATE),
         title=html.escape(f"{subject.name} - tusqh explorer"),
         policy=_security_policy(three, script),
-        style=_read("page/explorer.css"),
+        style=read_asset(STYLE),
         facts=to_script_json(facts),
         payloads=payloads,
         three=three,
@@ -157,7 +149,3 @@ def _security_policy(*scripts: str) -> str:
     digests = [base64.b64encode(hashlib.sha256(s.encode()).digest()).decode() for s in scripts]
     allowed = " ".join(f"'sha256-{digest}'" for digest in digests)
     return f"default-src 'none'; script-src {allowed}; style-src 'unsafe-inline'; base-uri 'none'"
-
-
-def _read(name: str) -> str:
-    return resources.files("tusqh.explorer").joinpath(name).read_text(encoding="utf-8")

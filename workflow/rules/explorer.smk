@@ -1,3 +1,6 @@
+from tusqh.explorer.assets import assets_fingerprint
+
+
 rule explorer:
     input:
         geometry="results/{model}/geometry.vtp",
@@ -17,6 +20,7 @@ rule explorer:
         record="results/provenance/{model}/explorer.json",
         record_how="results/provenance/{model}/explorer.how.json",
     params:
+        page=assets_fingerprint(),
         source=of_model("geometry", "unit"),
         settings=of_model(
             *("grid", "window", "samples", "domain", "rule", "orientation"),

@@ -20,7 +20,10 @@ const DIMENSION_COLOURS = ['#0173b2', '#de8f05', '#029e73'];
 const DIMENSION_NAMES = [['component', 'components'], ['hole', 'holes'], ['void', 'voids']];
 
 // Matplotlib's cividis at nine steps.
-const RAMP = ['#00224e', '#1f386e', '#434e6c', '#61656f', '#7d7c78', '#9c9577', '#bbaf71', '#dcca61', '#fee838'];
+const RAMP = [
+  '#00224e', '#1a386f', '#434e6c', '#61656f', '#7d7c78',
+  '#9b9476', '#bcae6c', '#dec958', '#fee838',
+];
 
 /** Return red, green and blue in 0..1. */
 function rgb(hex) { return [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255); }
