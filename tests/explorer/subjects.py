@@ -52,6 +52,7 @@ def make_subject(fractions, policy=None, *, name="noise", threshold=0.5):
     return Subject(
         name=name,
         unit="mm",
+        y_up=False,
         command=mesh_command(f"{name}.stl", settings, name=name),
         geometry=box_of(fractions.grid),
         fractions=fractions,

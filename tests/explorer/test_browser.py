@@ -114,8 +114,16 @@ def boundary_codes(kept, ranges=None):
 
 
 def drawn_codes(opened):
+    """Return (cell, direction, state) of all faces; a solid shows three directions at a time."""
     codes = opened.evaluate(
-        "Array.from(explorer.faces.visible.code.slice(0, explorer.faces.visible.count))"
+        """() => {
+        const { faces, plateaus, plateau, exceptions, window } = explorer;
+        const out = [];
+        for (const facing of faces.isFlat ? [[5]] : [[0, 2, 4], [1, 3, 5]]) {
+          const n = faces.collect(plateaus.cut[plateau], exceptions, window, facing);
+          for (let f = 0; f < n; f++) out.push(faces.code[4 * f]);
+        }
+        return out; }"""
     )
     found = [(c >> 5, c & 7, c >> 3 & 3) for c in codes]
     assert len(set(found)) == len(found)
@@ -261,7 +269,7 @@ def test_classes_can_be_walked_through_with_the_keyboard(opened, subject):
 def test_the_final_mesh_has_all_its_facets(opened, subject):
     opened.page.click("[data-view=mesh]")
     mesh = subject.mesh
-    shown = opened.evaluate("explorer.layers.mesh.object.geometry.instanceCount")
+    shown = opened.evaluate("explorer.layers.mesh.object.geometry.drawRange.count / 6")
     if mesh.dim == 2:
         assert shown == mesh.n_cells
     else:
@@ -306,6 +314,28 @@ def test_something_is_drawn(opened):
         return n / (w * h); }"""
     )
     assert share > 0.02
+
+
+def test_only_faces_in_sight_are_drawn_and_all_of_them(opened, subject):
+    """Look from all sides: the faces drawn are those whose direction faces the eye."""
+    if subject.fractions.grid.dim == 2:
+        assert opened.evaluate("explorer.stage.facing") == [5]
+        return
+    kept = CellSets(subject.fractions, Policy.from_settings(subject.selection.policy)).at(0.5).kept
+    expected = boundary_codes(kept)
+    opened.evaluate("explorer.setThreshold(0.5)")
+    for _ in range(6):
+        opened.evaluate("explorer.stage.orbit(8, 0); explorer.stage.draw()")
+        eye = opened.evaluate(
+            "explorer.stage.camera.getWorldDirection(new THREE.Vector3()).toArray()"
+        )
+        facing = {2 * axis + (towards < 0) for axis, towards in enumerate(eye)}
+        codes = opened.evaluate(
+            "Array.from(explorer.faces.code.slice(0, 4 * explorer.faces.count))"
+        )
+        assert codes[::4] == codes[3::4]
+        found = {(c >> 5, c & 7) for c in codes[::4] if c >> 3 & 3 != 1}
+        assert found == {code for code in expected if code[1] in facing}
 
 
 def test_the_stage_obeys_the_keyboard(opened, subject):

@@ -12,8 +12,8 @@ from subjects import make_subject, noise
 from tusqh.errors import ConfigError
 from tusqh.explorer import assets
 from tusqh.explorer.command import mesh_command
-from tusqh.explorer.page import make_page, stands_on_y, to_script_json
-from tusqh.explorer.subject import FILES, read_subject
+from tusqh.explorer.page import make_page, to_script_json
+from tusqh.explorer.subject import FILES, read_subject, stands_on_y
 
 
 @pytest.fixture(scope="module")
@@ -74,8 +74,8 @@ def test_colours_are_those_of_the_figures():
     assert ours["connecting"] == style.CONNECTING
     assert ours["bridge"] == style.BRIDGE
     of_dimensions = re.search(r"DIMENSION_COLOURS = \[(.*?)\]", script)[1]
-    assert tuple(re.findall(r"#\w{6}", of_dimensions)) == style.DIMENSION_COLOURS
-    ramp = re.findall(r"#\w{6}", re.search(r"RAMP = \[(.*?)\]", script)[1])
+    assert re.findall(r"#\w{6}", of_dimensions) == list(style.DIMENSION_COLOURS)
+    ramp = re.findall(r"#\w{6}", re.search(r"RAMP = \[(.*?)\]", script, re.DOTALL)[1])
     assert ramp == [to_hex(colormaps["cividis"](i / 8)) for i in range(9)]
 
 
@@ -127,7 +127,7 @@ def test_formats_with_y_up():
 def test_a_folder_without_results_says_what_is_missing(tmp_path):
     (tmp_path / "mesh.vtu").touch()
     with pytest.raises(ConfigError) as error:
-        read_subject(tmp_path, name="a", unit="m", command=mesh_command("a.stl", {}, name="a"))
+        read_subject(tmp_path)
     assert "no geometry.vtp, fractions.npz" in str(error.value)
     assert "mesh.vtu" not in str(error.value).splitlines()[0]
     assert len(FILES) == 12

@@ -30,20 +30,9 @@ from tusqh.meshes.volume_mesh import KINDS
 from tusqh.quality.verdict import overall
 from tusqh.threshold.plateaus import BETTI
 
-#: Suffixes of formats whose convention is that y points up.
-_Y_UP = (".obj", ".glb", ".gltf")
 
-
-def make_page(subject: Subject, *, y_up: bool = False) -> str:
-    """Return the explorer of a model: the same text for the same subject.
-
-    Parameters
-    ----------
-    subject
-        The model.
-    y_up
-        Whether a solid first stands on its lowest y instead of its lowest z.
-    """
+def make_page(subject: Subject) -> str:
+    """Return the explorer of a model: the same text for the same subject."""
     grid = subject.fractions.grid
     cell_sets = CellSets(subject.fractions, Policy.from_settings(subject.selection.policy))
     blocks = {
@@ -54,7 +43,7 @@ def make_page(subject: Subject, *, y_up: bool = False) -> str:
         "geometry": pack(geometry_arrays(subject.geometry, grid)),
     }
     facts = describe(subject) | {
-        "up": "y" if y_up else "z",
+        "up": "y" if subject.y_up else "z",
         "manifests": {name: packed.manifest for name, packed in blocks.items()},
     }
     three, script = read_three(), read_script()
@@ -121,15 +110,6 @@ def describe(subject: Subject) -> dict[str, Any]:
         "has_filled": bool((subject.topologies["filled"] > 0).any()),
         "tables": {name: _to_rows(table) for name, table in subject.tables.items()},
     }
-
-
-def stands_on_y(geometry: str) -> bool:
-    """Return whether the format of a geometry file has y point up.
-
-    >>> stands_on_y("bunny.OBJ"), stands_on_y("part.stl")
-    (True, False)
-    """
-    return geometry.lower().endswith(_Y_UP)
 
 
 def _to_rows(table: pd.DataFrame) -> dict[str, Any]:

@@ -20,96 +20,106 @@ class Faces {
     this.shape = this.isFlat ? [...shape, 1] : shape;
     const [, ny, nz] = this.shape;
     this.strides = [ny * nz, nz, 1];
-    this.tone = Uint16Array.from(field.levels, (key) => Math.round(65535 * key / TOP));
-    if (this.isFlat) this.listCells(); else this.listFaces();
+    this.tone = Uint8Array.from(field.levels, (key) => Math.round(255 * key / TOP));
+    this.list();
+    const counts = [0, 1, 2, 3, 4, 5].map((d) => this.start[d + 1] - this.start[d]);
     const layers = this.strides.map((_, a) => this.rank.length / this.shape[a]);
-    const more = this.isFlat ? this.rank.length : Math.max(...layers);
-    this.visible = {
-      count: 0,
-      code: new Uint32Array(this.code.length + more),
-      tone: new Uint16Array(this.code.length + more),
-    };
+    const [many, more] = this.isFlat ? [counts[UPWARDS], this.rank.length] : [
+      [0, 2, 4].reduce((sum, d) => sum + Math.max(counts[d], counts[d + 1]), 0), Math.max(...layers),
+    ];
+    // A face has four corners, and what is drawn is given for each of them.
+    this.capacity = many + more;
+    this.code = new Uint32Array(4 * this.capacity);
+    this.tones = new Uint32Array(this.capacity); // Four bytes each.
+    this.count = 0;
   }
 
-  listCells() {
-    const cells = [];
-    this.rank.forEach((r, c) => { if (r > 0) cells.push(c); });
-    this.code = Uint32Array.from(cells, (c) => c * 32 + UPWARDS);
-    this.hi = this.rank.constructor.from(cells, (c) => this.rank[c]);
-    this.lo = new this.rank.constructor(cells.length);
-  }
-
-  listFaces() {
-    const { rank, shape, strides } = this;
-    const [nx, ny, nz] = shape;
-    const visit = (put) => {
-      for (let i = 0, c = 0; i < nx; i++) {
-        for (let j = 0; j < ny; j++) {
-          for (let k = 0; k < nz; k++, c++) {
-            const r = rank[c];
-            for (let axis = 0; axis < 3; axis++) {
-              const at = axis === 0 ? i : axis === 1 ? j : k;
-              if (at === 0 && r > 0) put(c, 2 * axis, r, 0);
-              const next = at + 1 < shape[axis] ? rank[c + strides[axis]] : 0;
-              if (r > next) put(c, 2 * axis + 1, r, next);
-              else if (r < next) put(c + strides[axis], 2 * axis, next, r);
-            }
-          }
-        }
-      }
-    };
-    let n = 0;
-    visit(() => { n += 1; });
-    this.code = new Uint32Array(n);
-    this.hi = new rank.constructor(n);
-    this.lo = new rank.constructor(n);
-    n = 0;
-    visit((cell, direction, hi, lo) => {
-      this.code[n] = cell * 32 + direction;
-      this.hi[n] = hi;
-      this.lo[n++] = lo;
+  /** List all faces, by direction: those of direction d from `start[d]` on. */
+  list() {
+    const counts = new Uint32Array(7);
+    this.visit((cell, direction) => { counts[direction + 1] += 1; });
+    this.start = accumulate(counts);
+    const n = this.start[6];
+    this.cell = new Uint32Array(n);
+    this.hi = new this.rank.constructor(n);
+    this.lo = new this.rank.constructor(n);
+    const next = this.start.slice();
+    this.visit((cell, direction, hi, lo) => {
+      const f = next[direction]++;
+      this.cell[f] = cell;
+      this.hi[f] = hi;
+      this.lo[f] = lo;
     });
   }
 
+  /** Call with (inner cell, direction, its rank, the rank beyond) for every face. */
+  visit(put) {
+    const { rank, shape, strides } = this;
+    const [nx, ny, nz] = shape;
+    for (let i = 0, c = 0; i < nx; i++) {
+      for (let j = 0; j < ny; j++) {
+        for (let k = 0; k < nz; k++, c++) {
+          const r = rank[c];
+          if (this.isFlat) {
+            if (r > 0) put(c, UPWARDS, r, 0);
+            continue;
+          }
+          for (let axis = 0; axis < 3; axis++) {
+            const at = axis === 0 ? i : axis === 1 ? j : k;
+            if (at === 0 && r > 0) put(c, 2 * axis, r, 0);
+            const next = at + 1 < shape[axis] ? rank[c + strides[axis]] : 0;
+            if (r > next) put(c, 2 * axis + 1, r, next);
+            else if (r < next) put(c + strides[axis], 2 * axis, next, r);
+          }
+        }
+      }
+    }
+  }
+
   /**
-   * Put the faces to draw into `visible`.
+   * Put the faces to draw into `code` and `tones`, and return how many they are.
    * @param cut least rank of a kept cell
    * @param exceptions cells removed or filled against their fraction
    * @param window {axis, from, to}: show only these layers of cells; or null
+   * @param facing directions that face the eye; without perspective three at a time
    */
-  collect(cut, exceptions, window) {
-    const { code, hi, lo, tone, visible } = this;
+  collect(cut, exceptions, window, facing) {
+    const { start, cell, hi, lo } = this;
     const isPlain = exceptions.size === 0 && !window;
-    let n = 0;
-    for (let f = 0; f < code.length; f++) {
-      if (lo[f] >= cut || hi[f] < cut) continue;
-      const drawn = isPlain ? code[f] : this.inspect(code[f], exceptions, window);
-      if (drawn < 0) continue;
-      visible.code[n] = drawn;
-      visible.tone[n++] = tone[hi[f]];
+    this.count = 0;
+    for (const direction of facing) {
+      for (let f = start[direction]; f < start[direction + 1]; f++) {
+        if (lo[f] >= cut || hi[f] < cut) continue;
+        const state = isPlain ? KEPT : this.inspect(cell[f], direction, exceptions, window);
+        if (state >= 0) this.add(cell[f], direction, state);
+      }
     }
-    visible.count = n;
     if (this.isFlat && exceptions.size) this.addFilled(cut, exceptions);
-    if (window) this.addSection(cut, exceptions, window);
-    return visible.count;
+    if (window) this.addSection(cut, exceptions, window, facing);
+    return this.count;
   }
 
-  /** Return the code of a boundary face with its state, -1 when it is not drawn after all. */
-  inspect(code, exceptions, window) {
-    const cell = code >>> 5;
+  add(cell, direction, state) {
+    const n = this.count++;
+    const { code } = this;
+    code[4 * n] = code[4 * n + 1] = code[4 * n + 2] = code[4 * n + 3] = cell * 32 + state * 8 + direction;
+    this.tones[n] = this.tone[this.rank[cell]] * 0x01010101;
+  }
+
+  /** Return the state of a face on the boundary, -1 when it is not drawn after all. */
+  inspect(cell, direction, exceptions, window) {
     if (window) {
       const at = this.layer(cell, window.axis);
       if (at < window.from || at >= window.to) return -1;
     }
-    if (exceptions.mask[cell]) return (code | REMOVED << 3) >>> 0;
-    if (this.isFlat) return code;
-    const direction = code & 7;
+    if (exceptions.mask[cell]) return REMOVED;
+    if (this.isFlat) return KEPT;
     const axis = direction >> 1;
     const step = direction & 1 ? 1 : -1;
     const beyond = this.layer(cell, axis) + step;
     const isFilled = beyond >= 0 && beyond < this.shape[axis]
       && exceptions.mask[cell + step * this.strides[axis]];
-    return isFilled ? -1 : code; // Between kept cells and a filled void.
+    return isFilled ? -1 : KEPT; // Between kept cells and a filled void.
   }
 
   layer(cell, axis) { return Math.floor(cell / this.strides[axis]) % this.shape[axis]; }
@@ -121,11 +131,11 @@ class Faces {
   }
 
   /** Close the cut: faces between two kept cells, of which the window shows one. */
-  addSection(cut, exceptions, { axis, from, to }) {
+  addSection(cut, exceptions, { axis, from, to }, facing) {
     const [u, v] = [0, 1, 2].filter((a) => a !== axis);
     for (const [at, direction] of [[from, 2 * axis], [to - 1, 2 * axis + 1]]) {
       const beyond = direction & 1 ? at + 1 : at - 1;
-      if (beyond < 0 || beyond >= this.shape[axis]) continue;
+      if (!facing.includes(direction) || beyond < 0 || beyond >= this.shape[axis]) continue;
       const step = (beyond - at) * this.strides[axis];
       for (let a = 0; a < this.shape[u]; a++) {
         for (let b = 0; b < this.shape[v]; b++) {
@@ -139,9 +149,4 @@ class Faces {
   }
 
   isKept(cell, cut, exceptions) { return (this.rank[cell] >= cut) !== (exceptions.mask[cell] === 1); }
-
-  add(cell, direction, state) {
-    this.visible.code[this.visible.count] = cell * 32 + state * 8 + direction;
-    this.visible.tone[this.visible.count++] = this.tone[this.rank[cell]];
-  }
 }

@@ -1,19 +1,28 @@
 'use strict';
 // What the stage shows: kept cells, the final mesh, the geometry, and highlighted places.
 
-/** Return the square of which every face is an instance. */
-function instancedSquare() {
-  const geometry = new THREE.InstancedBufferGeometry();
-  const corners = new Float32Array([0, 0, 1, 0, 1, 1, 0, 1]);
-  geometry.setAttribute('corner', new THREE.BufferAttribute(corners, 2));
-  geometry.setIndex([0, 1, 2, 0, 2, 3]);
-  geometry.instanceCount = 0;
+/**
+ * Return squares of four corners each, of which the first so many are drawn.  They are no
+ * instances: drawing in software pays for every instance as for a whole object.
+ */
+function manySquares(n) {
+  const geometry = new THREE.BufferGeometry();
+  const index = new Uint32Array(6 * n);
+  for (let f = 0, i = 0, c = 0; f < n; f++, c += 4) {
+    index[i++] = c;
+    index[i++] = c + 1;
+    index[i++] = c + 2;
+    index[i++] = c;
+    index[i++] = c + 2;
+    index[i++] = c + 3;
+  }
+  geometry.setIndex(new THREE.BufferAttribute(index, 1));
   return geometry;
 }
 
-/** Return an instanced attribute over an array that changes. */
-function instanced(array, size, isNormalised = false) {
-  const attribute = new THREE.InstancedBufferAttribute(array, size, isNormalised);
+/** Return an attribute over an array that changes. */
+function changing(array, size, isNormalised = false) {
+  const attribute = new THREE.BufferAttribute(array, size, isNormalised);
   attribute.setUsage(THREE.DynamicDrawUsage);
   return attribute;
 }
@@ -24,27 +33,27 @@ function asObject(geometry, material) {
   return mesh;
 }
 
-/** Tell the renderer which part of an attribute changed. */
-function refresh(attribute, count) {
-  attribute.clearUpdateRanges();
-  attribute.addUpdateRange(0, count * attribute.itemSize);
-  attribute.needsUpdate = true;
+/** Draw the first squares of a geometry, whose attributes changed. */
+function drawFirst(geometry, n) {
+  for (const attribute of Object.values(geometry.attributes)) {
+    attribute.clearUpdateRanges();
+    attribute.addUpdateRange(0, 4 * n * attribute.itemSize);
+    attribute.needsUpdate = true;
+  }
+  geometry.setDrawRange(0, 6 * n);
 }
 
 class CellLayer {
   constructor(faces) {
     this.faces = faces;
-    const geometry = instancedSquare();
-    geometry.setAttribute('code', instanced(faces.visible.code, 1));
-    geometry.setAttribute('tone', instanced(faces.visible.tone, 1, true));
+    const geometry = manySquares(faces.capacity);
+    geometry.setAttribute('code', changing(faces.code, 1));
+    geometry.setAttribute('tone', changing(new Uint8Array(faces.tones.buffer), 1, true));
     this.object = asObject(geometry, cellMaterial(faces.shape));
   }
 
-  update(cut, exceptions, window) {
-    const { geometry } = this.object;
-    geometry.instanceCount = this.faces.collect(cut, exceptions, window);
-    refresh(geometry.attributes.code, geometry.instanceCount);
-    refresh(geometry.attributes.tone, geometry.instanceCount);
+  update(cut, exceptions, window, facing) {
+    drawFirst(this.object.geometry, this.faces.collect(cut, exceptions, window, facing));
   }
 
   colourBy(mode) { this.object.material.uniforms.byTone.value = mode === 'fraction' ? 1 : 0; }
@@ -69,13 +78,11 @@ class MeshLayer {
       this.corners[f] = before += this.corners[f];
       for (let c = 1; c < 4; c++) this.corners[f + c] += before;
     }
-    const geometry = instancedSquare();
     const n = this.first.length;
-    for (let c = 0; c < 4; c++) {
-      geometry.setAttribute(`corner${c}`, instanced(new Float32Array(3 * n), 3));
-    }
-    geometry.setAttribute('kind', instanced(new Uint8Array(n), 1));
-    geometry.setAttribute('quality', instanced(new Uint8Array(n), 1, true));
+    const geometry = manySquares(n);
+    geometry.setAttribute('place', changing(new Float32Array(12 * n), 3));
+    geometry.setAttribute('kind', changing(new Uint8Array(4 * n), 1));
+    geometry.setAttribute('quality', changing(new Uint8Array(4 * n), 1, true));
     this.object = asObject(geometry, elementMaterial());
     this.update(null);
   }
@@ -83,8 +90,7 @@ class MeshLayer {
   /** Show the boundary of those elements that lie in the window. */
   update(window) {
     const { geometry } = this.object;
-    const { corner0, corner1, corner2, corner3, kind, quality } = geometry.attributes;
-    const places = [corner0, corner1, corner2, corner3];
+    const [place, kind, quality] = ['place', 'kind', 'quality'].map((a) => geometry.attributes[a].array);
     const isIn = (element) => {
       if (!window) return true;
       const at = this.faces.layer(this.cell[element], window.axis);
@@ -104,15 +110,16 @@ class MeshLayer {
       } else if (!isIn(inner)) continue;
       for (let c = 0; c < 4; c++) {
         const p = this.corners[4 * f + (isTurned ? 3 - c : c)] * this.dim;
-        places[c].array[3 * n] = this.points[p];
-        places[c].array[3 * n + 1] = this.points[p + 1];
-        places[c].array[3 * n + 2] = this.dim === 3 ? this.points[p + 2] : 1;
+        const at = 12 * n + 3 * c;
+        place[at] = this.points[p];
+        place[at + 1] = this.points[p + 1];
+        place[at + 2] = this.dim === 3 ? this.points[p + 2] : 1;
       }
-      kind.array[n] = this.kind[inner];
-      quality.array[n++] = this.quality[inner];
+      kind.fill(this.kind[inner], 4 * n, 4 * n + 4);
+      quality.fill(this.quality[inner], 4 * n, 4 * n + 4);
+      n += 1;
     }
-    for (const attribute of [...places, kind, quality]) refresh(attribute, n);
-    geometry.instanceCount = n;
+    drawFirst(geometry, n);
   }
 
   colourBy(mode) { this.object.material.uniforms.byQuality.value = mode === 'quality' ? 1 : 0; }

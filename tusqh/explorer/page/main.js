@@ -56,6 +56,7 @@ class Explorer {
     this.axes = new Axes(this.stage, this.facts.grid, lengthScale(this.facts));
     this.axes.markers = () => this.markers.places;
     this.stage.look('oblique');
+    this.stage.onTurn = () => this.fillCells();
     byId('stage').setAttribute('aria-label', this.isFlat
       ? 'View from above. Arrow keys move, plus and minus zoom, 0 shows everything.'
       : 'View in space. Arrow keys turn, with Shift move, plus and minus zoom, 0 shows everything.');
@@ -161,8 +162,14 @@ class Explorer {
 
   drawCells() {
     if (!this.stage) return;
-    this.layers.cells.update(this.plateaus.cut[this.plateau], this.exceptions, this.window);
+    this.fillCells();
     this.stage.invalidate();
+  }
+
+  fillCells() {
+    if (this.plateau === undefined) return;
+    const cut = this.plateaus.cut[this.plateau];
+    this.layers.cells.update(cut, this.exceptions, this.window, this.stage.facing);
   }
 
   /** Show the kept cells, the final mesh or the geometry. */

@@ -28,7 +28,7 @@ const LIGHT_AND_LINES = `
   }
 `;
 
-/** Return the material of the kept cells: a code and a tone for each face. */
+/** Return the material of the kept cells: a code and a tone for each corner. */
 function cellMaterial(shape) {
   return new THREE.ShaderMaterial({
     glslVersion: THREE.GLSL3,
@@ -40,19 +40,19 @@ function cellMaterial(shape) {
       states: { value: [COLOURS.material, COLOURS.removed, COLOURS.filled, COLOURS.section].map(vector) },
     },
     vertexShader: `
-      in vec2 corner;
       in uint code;
       in float tone;
       uniform vec3 grid;
       uniform vec3 states[4];
       uniform float byTone;
-      uniform vec3 eye;
       out vec2 at;
       flat out vec3 normal3;
       flat out vec3 colour;
       flat out float value;
 
       void main() {
+        uint turn = uint(gl_VertexID) & 3u;
+        vec2 corner = vec2(turn == 1u || turn == 2u, turn >= 2u);
         uvec3 n = uvec3(grid);
         uint cell = code >> 5u;
         uint state = (code >> 3u) & 3u;
@@ -66,7 +66,6 @@ function cellMaterial(shape) {
         colour = states[state];
         value = state == 1u || byTone < 0.5 ? -1.0 : tone;
         gl_Position = projectionMatrix * viewMatrix * vec4(low + place, 1.0);
-        if (dot(normal3, eye) <= 0.0) gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // Seen from behind.
       }`,
     fragmentShader: `${LIGHT_AND_LINES}
       in vec2 at;
@@ -82,7 +81,7 @@ function cellMaterial(shape) {
   });
 }
 
-/** Return the material of elements: four corners, a kind and a quality for each face. */
+/** Return the material of elements: a place, a kind and a quality for each corner. */
 function elementMaterial() {
   const kinds = [COLOURS.material, COLOURS.inner, COLOURS.separating, COLOURS.connecting, COLOURS.bridge];
   return new THREE.ShaderMaterial({
@@ -93,23 +92,20 @@ function elementMaterial() {
       kinds: { value: kinds.map(vector) },
     },
     vertexShader: `
-      in vec2 corner;
-      in vec3 corner0;
-      in vec3 corner1;
-      in vec3 corner2;
-      in vec3 corner3;
+      in vec3 place;
       in float kind;
       in float quality;
       uniform vec3 kinds[5];
       uniform float byQuality;
       out vec2 at;
-      out vec3 place;
+      out vec3 place3;
       flat out vec3 colour;
       flat out float value;
 
       void main() {
-        place = mix(mix(corner0, corner1, corner.x), mix(corner3, corner2, corner.x), corner.y);
-        at = corner;
+        uint turn = uint(gl_VertexID) & 3u;
+        at = vec2(turn == 1u || turn == 2u, turn >= 2u);
+        place3 = place;
         colour = kinds[int(kind + 0.5)];
         value = byQuality > 0.5 ? quality : -1.0;
         gl_Position = projectionMatrix * viewMatrix * vec4(place, 1.0);
@@ -117,13 +113,13 @@ function elementMaterial() {
     fragmentShader: `${LIGHT_AND_LINES}
       uniform vec3 eye;
       in vec2 at;
-      in vec3 place;
+      in vec3 place3;
       flat in vec3 colour;
       flat in float value;
       out vec4 result;
 
       void main() {
-        vec3 normal3 = normalize(cross(dFdx(place), dFdy(place)));
+        vec3 normal3 = normalize(cross(dFdx(place3), dFdy(place3)));
         if (dot(normal3, eye) < 0.0) normal3 = -normal3;
         vec3 base = value < 0.0 ? colour : alongRamp(value);
         result = vec4(lined(lit(base, normal3), at), 1.0);

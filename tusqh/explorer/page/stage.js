@@ -15,6 +15,8 @@ class Stage {
     this.isFlat = isFlat;
     this.up = 'z';
     this.afterDraw = [];
+    this.facing = isFlat ? [UPWARDS] : [];
+    this.onTurn = () => {}; // Called when other directions of faces come into sight.
     const canvas = box.querySelector('#gl');
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
     this.renderer.setClearColor('#ffffff');
@@ -155,6 +157,15 @@ class Stage {
     return [(at.x + 1) / 2 * this.box.clientWidth, (1 - at.y) / 2 * this.box.clientHeight];
   }
 
+  /** Follow the eye to another octant. */
+  turn(eye) {
+    const facing = eye.toArray().map((towards, axis) => 2 * axis + (towards > 0));
+    if (String(facing) === String(this.facing)) return;
+    this.facing = facing;
+    this.hideNearEdges(eye);
+    this.onTurn();
+  }
+
   /** Leave out the edges of the box that stand between the eye and the cells. */
   hideNearEdges(eye) {
     const nearest = (eye.x > 0) + 2 * (eye.y > 0) + 4 * (eye.z > 0);
@@ -188,7 +199,7 @@ class Stage {
       material.uniforms.eye.value.copy(eye);
       material.uniforms.shading.value = this.isFlat ? 0 : 1;
     });
-    this.hideNearEdges(eye);
+    if (!this.isFlat) this.turn(eye);
     this.renderer.render(this.scene, this.camera);
     for (const draw of this.afterDraw) draw();
   }
