@@ -317,7 +317,9 @@ class Explorer {
     const words = this.dimensions.map((k) => `${betti[k]} ${DIMENSION_NAMES[k][betti[k] === 1 ? 0 : 1]}`);
     slider.setAttribute('aria-valuetext', `${show(now.threshold, 8)}: ${words.join(', ')}, ${now.cells} cells kept`);
     const { command } = this.facts;
-    byId('command').textContent = `${command.before} --threshold ${now.threshold} ${command.after}`;
+    const line = `${command.before} --threshold ${now.threshold} ${command.after}`;
+    const parts = line.split(' ').flatMap((word) => [element('span', '', word), ' ']);
+    byId('command').replaceChildren(...parts.slice(0, -1)); // Lines break between words only.
     byId('command-note').textContent = command.note;
     this.writeDiagramLegend(now);
     this.topologies.mark(this.plateau);
