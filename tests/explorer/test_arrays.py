@@ -9,6 +9,7 @@ from subjects import box_of, keys_of, make_subject, noise
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.policy import Policy
 from tusqh.explorer import arrays
+from tusqh.geometry.image import Image
 from tusqh.meshes.boundary import find_boundary
 from tusqh.topology.merge_tree import TOP
 
@@ -158,3 +159,8 @@ def test_geometry_is_rounded_by_no_more_than_a_step(subject, monkeypatch):
     np.testing.assert_allclose(shown, geometry.points[pieces], atol=side * grid.cell_size / 65535)
     monkeypatch.setattr(arrays, "GEOMETRY_PIECES", 1)
     assert arrays.geometry_arrays(geometry, grid)["pieces"].size == 0
+
+
+def test_images_have_no_surface_to_show(subject):
+    image = Image(np.ones((2, 2, 2)))
+    assert arrays.geometry_arrays(image, subject.fractions.grid)["pieces"].size == 0

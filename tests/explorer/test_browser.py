@@ -12,6 +12,7 @@ from subjects import keys_of, make_subject, noise
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.policy import Policy
 from tusqh.explorer.page import make_page
+from tusqh.geometry.image import Image
 from tusqh.topology.persistence import count_alive
 
 #: These make WebGL work without a graphics card, and keep the browser from calling home.
@@ -444,3 +445,16 @@ def test_numbers_survive_the_way_into_the_page(opened, subject):
     levels = opened.evaluate("Array.from(explorer.faces.tone)")
     keys = np.unique(np.clip(keys_of(subject.fractions.cells), 0, None).clip(max=2**20))
     assert len(levels) == len(np.union1d(keys, [0]))
+
+
+def test_an_image_has_cells_and_a_mesh_but_no_geometry_to_show(browser, tmp_path):
+    subject = make_subject(noise(np.random.default_rng(9), (4, 3, 4)))
+    subject = replace(subject, geometry=Image(np.ones((2, 2, 2))))
+    path = tmp_path / "image.html"
+    path.write_text(make_page(subject), encoding="utf-8")
+    opened = Opened(browser, path)
+    assert not opened.page.is_visible("[data-view=geometry]")
+    opened.page.focus("[data-view=cells]")
+    opened.page.keyboard.press("ArrowLeft")  # Around the end, to the other one.
+    assert opened.evaluate("explorer.view") == "mesh"
+    assert opened.messages == []

@@ -93,6 +93,10 @@ def test_colours_are_those_of_the_figures():
             "tusqh mesh p.stl --cells 64 --domain outside --window=-1,0,2,3.5",
         ),
         (
+            {"image": {"voxel_size": 0.5, "full": 255}},
+            "tusqh mesh p.stl --cells 64 --voxel-size 0.5 --full 255",
+        ),
+        (
             {"components": {"min_cells": 4}, "mixed_pinches": "connect", "samples": 4},
             "tusqh mesh p.stl --cells 64 --mixed-pinches connect --min-cells 4",
         ),

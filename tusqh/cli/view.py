@@ -42,6 +42,9 @@ def view(
     rule: options.Rule = "average",
     orientation: options.Orientation = "auto",
     min_cells: options.MinCells = None,
+    voxel_size: options.VoxelSize = None,
+    empty: options.Empty = None,
+    full: options.Full = None,
     unit: Annotated[str, typer.Option(help="Unit of length of the geometry, for the axes.")] = "m",
 ) -> None:
     """Look at a model at every threshold, in one page that needs nothing but a browser.
@@ -63,7 +66,8 @@ def view(
         page = output or Path(folder.stem + ".html")
         asked = {"cells": cells, "cell_size": cell_size, "betti": betti, "threshold": threshold}
         asked |= {"window": window, "domain": domain, "samples": samples, "rule": rule}
-        asked |= {"orientation": orientation}
+        image = options.to_image(voxel_size, empty, full)
+        asked |= {"orientation": orientation, "image": image}
         if min_cells is not None:
             asked["components"] = {"min_cells": min_cells}
         _write_from_geometry(page, source, unit, asked)

@@ -18,12 +18,14 @@ from numpy.typing import NDArray
 
 from tusqh.antialias.cells import CellSets
 from tusqh.explorer.encode import smallest_unsigned
+from tusqh.geometry.files import Geometry
+from tusqh.geometry.image import Image
 from tusqh.geometry.outline import Outline
 from tusqh.grid import BackgroundGrid, FloatArray, IntArray
 from tusqh.meshes.facets import find_facets
 from tusqh.meshes.jacobians import corner_jacobians
 from tusqh.meshes.volume_mesh import VolumeMesh
-from tusqh.sampling.fractions import RESOLUTION, Geometry, VolumeFractions
+from tusqh.sampling.fractions import RESOLUTION, VolumeFractions
 from tusqh.threshold.plateaus import BETTI
 from tusqh.topology.merge_tree import TOP
 
@@ -198,12 +200,16 @@ def geometry_arrays(geometry: Geometry, grid: BackgroundGrid) -> Arrays:
     """Return a geometry as it is: `points`, and `pieces`, the ends or corners of each piece.
 
     Points are rounded to 2^16 steps along the longest side of the geometry's box; `box` holds its
-    lowest corner and that side.  A geometry of too many pieces has none.
+    lowest corner and that side.  A geometry of too many pieces has none, nor have images.
     """
-    pieces = geometry.segments if isinstance(geometry, Outline) else geometry.triangles
+    if isinstance(geometry, Image):
+        points, pieces = np.zeros((1, 3)), np.empty((0, 3), dtype=np.int64)
+    elif isinstance(geometry, Outline):
+        points, pieces = _in_cells(geometry.points, grid), geometry.segments
+    else:
+        points, pieces = _in_cells(geometry.points, grid), geometry.triangles
     if len(pieces) > GEOMETRY_PIECES:
         pieces = pieces[:0]
-    points = _in_cells(geometry.points, grid)
     lower, side = points.min(axis=0), float(np.ptp(points, axis=0).max()) or 1.0
     steps, index = np.unique(
         np.rint((points - lower) / side * _GEOMETRY_STEPS), axis=0, return_inverse=True

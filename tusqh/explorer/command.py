@@ -74,6 +74,8 @@ def mesh_command(geometry: str, settings: Mapping[str, Any], *, name: str) -> Co
     components = dict(settings.get("components", {}))
     if "min_cells" in components:
         words += ["--min-cells", str(components.pop("min_cells"))]
+    for key, value in settings.get("image", {}).items():
+        words += [f"--{key.replace('_', '-')}", _number(value)]
     unsaid = [key for key in _CRITERIA if (dict(settings) | {"components": components}).get(key)]
     note = f"the criteria for {', '.join(unsaid)} of this model are in config.yaml"
     return Command(shlex.join(words), shlex.join(["-o", f"{name}.vtu"]), note if unsaid else "")

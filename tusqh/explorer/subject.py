@@ -13,11 +13,11 @@ import pandas as pd
 from tusqh.antialias.policy import Criteria
 from tusqh.errors import ConfigError
 from tusqh.explorer.command import Command, mesh_command
-from tusqh.geometry.files import load_geometry
+from tusqh.geometry.files import Geometry, load_geometry
 from tusqh.meshes.export import read_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.result import Result
-from tusqh.sampling.fractions import Geometry, VolumeFractions
+from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.io import load_fractions
 from tusqh.threshold.select import Selection
 

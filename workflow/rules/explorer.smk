@@ -23,7 +23,7 @@ rule explorer:
         page=assets_fingerprint(),
         source=of_model("geometry", "unit"),
         settings=of_model(
-            *("grid", "window", "samples", "domain", "rule", "orientation"),
+            *("image", "grid", "window", "samples", "domain", "rule", "orientation"),
             *("mixed_pinches", "bridges", "components", "holes", "voids"),
         ),
     log:

@@ -28,6 +28,7 @@ class Explorer {
     this.faces = new Faces(blocks.field, facts.grid.shape);
     this.view = 'cells';
     this.window = null;
+    this.hasGeometry = blocks.geometry.pieces.length > 0; // Images and huge files have none.
     this.makeStage(blocks);
     this.makePanels(blocks);
     this.makeControls();
@@ -93,7 +94,11 @@ class Explorer {
     for (const button of document.querySelectorAll('[data-step]')) {
       button.addEventListener('click', () => this.step(button.dataset.step));
     }
-    const views = [...document.querySelectorAll('[data-view]')];
+    const views = [...document.querySelectorAll('[data-view]')].filter(
+      ({ dataset }) => this.hasGeometry || dataset.view !== 'geometry',
+    );
+    byId('view-geometry').hidden = !this.hasGeometry;
+    byId('outline').closest('label').hidden = !this.hasGeometry;
     for (const button of views) button.addEventListener('click', () => this.setView(button.dataset.view));
     moveByArrows(byId('views'), views, (button) => this.setView(button.dataset.view));
     byId('colour').addEventListener('change', () => this.recolour());
@@ -360,7 +365,7 @@ class Explorer {
       item.append(low, bar, high);
       return [element('li', '', title), item];
     };
-    const outline = this.isFlat && byId('outline').checked ? [entry(COLOURS.outline, 'geometry, as it is')] : [];
+    const outline = this.isFlat && this.hasGeometry && byId('outline').checked ? [entry(COLOURS.outline, 'geometry, as it is')] : [];
     let items = [];
     if (this.view === 'cells') {
       items = mode === 'fraction' ? scale('0', '1', 'volume fraction [-]') : [entry(COLOURS.material, 'kept cells')];
