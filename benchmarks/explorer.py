@@ -25,7 +25,8 @@ from tusqh.geometry.files import locate
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import VolumeFractions, round_fractions
 from tusqh.tables import write_csv
-from tusqh.topology.curves import betti_curves
+from tusqh.topology.curves import betti_curves, outer_pairs
+from tusqh.topology.persistence import locate_pairs
 
 RESULT = Path("results/benchmarks/explorer.csv")
 STEPS = 40
@@ -98,7 +99,7 @@ def _with_noise(subject: Subject, name: str, sigma: float, n: int = 60) -> Subje
         fractions=VolumeFractions(grid, 4, values),
         curves=curves,
         topologies=topologies,
-        diagram=subject.diagram.iloc[:0],
+        diagram=locate_pairs(outer_pairs(values), grid),
     )
 
 
@@ -115,6 +116,7 @@ def _measure(browser: Browser, subject: Subject, folder: Path) -> dict[str, obje
         "case": subject.name,
         "grid": subject.fractions.grid.label,
         "faces": page.evaluate("explorer.faces.cell.length"),
+        "pairs": page.evaluate("explorer.diagram.count"),
         "plateaus": page.evaluate("explorer.plateaus.count"),
         "megabytes": round(path.stat().st_size / 1e6, 2),
         "script_median_ms": round(statistics.median(script), 2),

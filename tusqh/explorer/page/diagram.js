@@ -2,7 +2,8 @@
 // The persistence diagram: a class appears at one threshold and disappears at a lower one.
 // Those of the complex at threshold t lie to the right of t and below it.
 
-const DRAWN_PAIRS = 4000; // The longest-lived; Betti numbers are counted over all of them.
+const DRAWN_PAIRS = 2000; // The longest-lived; Betti numbers are counted over all of them.
+const STAMP = 14; // Room for a mark, in CSS pixels.
 const NEVER = -0.06; // Where classes stand that nothing destroys.
 
 class Diagram {
@@ -103,21 +104,15 @@ class Diagram {
     if (!this.canvas.clientWidth) return;
     const { context, width, height } = prepare(this.canvas);
     this.drawAxes(context, width, height);
-    const shapes = new Map();
-    for (let i = this.drawn - 1; i >= 0; i--) {
-      const k = this.pairs.dimension[i];
-      const isAlive = this.birth(i) >= threshold && this.death(i) < threshold;
-      const key = 2 * k + isAlive;
-      if (!shapes.has(key)) shapes.set(key, new Path2D());
-      addShape(shapes.get(key), k, ...this.place(i), 4.5);
-    }
-    for (const [key, path] of [...shapes].sort((a, b) => (a[0] & 1) - (b[0] & 1))) {
-      const colour = DIMENSION_COLOURS[key >> 1];
-      context.lineWidth = 1.3;
-      context.strokeStyle = key & 1 ? '#ffffff' : colour;
-      context.fillStyle = key & 1 ? colour : 'rgb(255 255 255 / 85%)';
-      context.fill(path);
-      context.stroke(path);
+    const stamps = this.makeStamps();
+    for (const wanted of [false, true]) { // Classes that are there over those that are not.
+      for (let i = this.drawn - 1; i >= 0; i--) {
+        const isAlive = this.birth(i) >= threshold && this.death(i) < threshold;
+        if (isAlive !== wanted) continue;
+        const [x, y] = this.place(i);
+        const stamp = stamps[2 * this.pairs.dimension[i] + isAlive];
+        context.drawImage(stamp, x - STAMP / 2, y - STAMP / 2, STAMP, STAMP);
+      }
     }
     if (this.shown >= 0) {
       const path = new Path2D();
@@ -128,6 +123,29 @@ class Diagram {
       context.fill(path);
       context.stroke(path);
     }
+  }
+
+  /** Return the marks to stamp: for each dimension those of classes not there, and there. */
+  makeStamps() {
+    const ratio = window.devicePixelRatio || 1;
+    if (this.stamps && this.stamps.ratio === ratio) return this.stamps;
+    this.stamps = [0, 1, 2, 3, 4, 5].map((key) => {
+      const stamp = document.createElement('canvas');
+      stamp.width = stamp.height = Math.ceil(STAMP * ratio);
+      const context = stamp.getContext('2d');
+      context.scale(ratio, ratio);
+      const path = new Path2D();
+      addShape(path, key >> 1, STAMP / 2, STAMP / 2, 4.5);
+      const colour = DIMENSION_COLOURS[key >> 1];
+      context.lineWidth = 1.3;
+      context.strokeStyle = key & 1 ? '#ffffff' : colour;
+      context.fillStyle = key & 1 ? colour : 'rgb(255 255 255 / 85%)';
+      context.fill(path);
+      context.stroke(path);
+      return stamp;
+    });
+    this.stamps.ratio = ratio;
+    return this.stamps;
   }
 
   drawAxes(context, width, height) {

@@ -78,12 +78,17 @@ class TopologyTable {
   }
 
   mark(p) {
-    this.plateaus.runs.forEach((run, r) => {
-      const isCurrent = run.start <= p && p <= run.end;
-      this.rows[r].classList.toggle('current', isCurrent);
-      if (isCurrent) this.rows[r].setAttribute('aria-current', 'true');
-      else this.rows[r].removeAttribute('aria-current');
-    });
+    const row = this.rows[this.plateaus.runs.findIndex((run) => run.start <= p && p <= run.end)];
+    if (row === this.current) return;
+    if (this.current) {
+      this.current.classList.remove('current');
+      this.current.removeAttribute('aria-current');
+    }
+    if (row) {
+      row.classList.add('current');
+      row.setAttribute('aria-current', 'true');
+    }
+    this.current = row;
   }
 }
 
