@@ -78,10 +78,10 @@ class Diagram {
     this.tell();
   }
 
-  toX(value) { return 44 + value * (this.canvas.clientWidth - 44 - 12); }
+  toX(value) { return 44 + value * (this.width - 44 - 12); }
 
   toY(value) {
-    const [top, bottom] = [8, this.canvas.clientHeight - 34];
+    const [top, bottom] = [8, this.height - 34];
     return bottom - (bottom - top) * (value - NEVER - NEVER / 2) / (1 - 1.5 * NEVER);
   }
 
@@ -103,16 +103,13 @@ class Diagram {
     this.threshold = threshold;
     if (!this.canvas.clientWidth) return;
     const { context, width, height } = prepare(this.canvas);
+    [this.width, this.height] = [width, height];
     this.drawAxes(context, width, height);
-    const stamps = this.makeStamps();
-    for (const wanted of [false, true]) { // Classes that are there over those that are not.
-      for (let i = this.drawn - 1; i >= 0; i--) {
-        const isAlive = this.birth(i) >= threshold && this.death(i) < threshold;
-        if (isAlive !== wanted) continue;
-        const [x, y] = this.place(i);
-        const stamp = stamps[2 * this.pairs.dimension[i] + isAlive];
-        context.drawImage(stamp, x - STAMP / 2, y - STAMP / 2, STAMP, STAMP);
-      }
+    context.drawImage(this.drawAll(), 0, 0, width, height);
+    const key = threshold * TOP;
+    const { birth, death } = this.pairs;
+    for (let i = this.drawn - 1; i >= 0; i--) {
+      if (birth[i] >= key && death[i] < key) this.stamp(context, i, true);
     }
     if (this.shown >= 0) {
       const path = new Path2D();
@@ -123,6 +120,25 @@ class Diagram {
       context.fill(path);
       context.stroke(path);
     }
+  }
+
+  /** Return a picture of all classes as if none of them were there, drawn once for a size. */
+  drawAll() {
+    const { width, height } = this.canvas;
+    if (this.all && this.all.width === width && this.all.height === height) return this.all;
+    this.all = document.createElement('canvas');
+    this.all.width = width;
+    this.all.height = height;
+    const context = this.all.getContext('2d');
+    context.setTransform(this.canvas.getContext('2d').getTransform());
+    for (let i = this.drawn - 1; i >= 0; i--) this.stamp(context, i, false);
+    return this.all;
+  }
+
+  stamp(context, i, isAlive) {
+    const [x, y] = this.place(i);
+    const mark = this.makeStamps()[2 * this.pairs.dimension[i] + isAlive];
+    context.drawImage(mark, x - STAMP / 2, y - STAMP / 2, STAMP, STAMP);
   }
 
   /** Return the marks to stamp: for each dimension those of classes not there, and there. */

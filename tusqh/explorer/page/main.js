@@ -41,7 +41,7 @@ class Explorer {
   makeStage(blocks) {
     this.layers = {};
     try {
-      this.stage = new Stage(byId('stage'), this.faces.shape, this.isFlat);
+      this.stage = new Stage(byId('stage'), this.faces.shape, this.isFlat, this.faces.cell.length);
     } catch (reason) {
       byId('failure').hidden = false;
       byId('failure').textContent = `The view needs WebGL 2, which this browser does not offer (${reason.message}). Curves, diagram and tables work without.`;

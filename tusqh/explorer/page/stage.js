@@ -3,13 +3,26 @@
 
 const OBLIQUE = [1.0, -1.6, 0.9]; // Where the figures look from.
 
+const MANY_FACES = 150000; // More are drawn without smoothing where the processor draws.
+
+/** Return whether there is no graphics card, and the processor draws. */
+function drawsInSoftware() {
+  const context = document.createElement('canvas').getContext('webgl2');
+  const names = context && context.getExtension('WEBGL_debug_renderer_info');
+  if (!names) return false;
+  const name = context.getParameter(names.UNMASKED_RENDERER_WEBGL);
+  context.getExtension('WEBGL_lose_context').loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+
 class Stage {
   /**
    * @param box element that holds the two canvases
    * @param shape cells along x, y, z
    * @param isFlat whether to look from above only
+   * @param nFaces how many faces there may be to draw
    */
-  constructor(box, shape, isFlat) {
+  constructor(box, shape, isFlat, nFaces) {
     this.box = box;
     this.shape = shape;
     this.isFlat = isFlat;
@@ -18,7 +31,8 @@ class Stage {
     this.facing = isFlat ? [UPWARDS] : [];
     this.onTurn = () => {}; // Called when other directions of faces come into sight.
     const canvas = box.querySelector('#gl');
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
+    const antialias = nFaces < MANY_FACES || !drawsInSoftware();
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias });
     this.renderer.setClearColor('#ffffff');
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
     this.scene = new THREE.Scene();
