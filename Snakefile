@@ -22,6 +22,7 @@ rule all:
         expand("results/{model}/export/{file}", model=MODELS, file=EXPORTS),
         expand("results/{model}/simulation/concentration.pvd", model=MODELS),
         expand("results/{model}/defects.csv", model=MODELS),
+        expand("results/{model}/explorer.html", model=MODELS),
         "results/report/index.html",
 
 
@@ -34,4 +35,5 @@ include: "workflow/rules/simulate.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/theory.smk"
+include: "workflow/rules/explorer.smk"
 include: "workflow/rules/overview.smk"

@@ -1,6 +1,7 @@
 """The whole workflow on a new model: one block in the config and an SVG, nothing else."""
 
 import json
+import re
 import subprocess
 import sys
 
@@ -90,6 +91,15 @@ def test_the_diagram_says_where_each_hole_is(built):
         assert 0 <= row.death_i < 32
     diagonal = pd.read_csv(built / "results/plate/diagonal.csv")
     assert diagonal["pairs"].sum() > 100
+
+
+def test_the_explorer_shows_the_mesh_and_its_command(built):
+    page = (built / "results/plate/explorer.html").read_text(encoding="utf-8")
+    facts = json.loads(re.search(r'id="facts-json">(.*?)</script>', page, re.DOTALL)[1])
+    assert facts["command"]["before"] == "tusqh mesh plate.svg --cells 32"
+    assert facts["unit"] == "mm"
+    assert dict(facts["head"])["its Betti numbers"] == "1, 2"
+    assert facts["tables"]["verdict"]["rows"]
 
 
 def test_every_figure_is_there(built):

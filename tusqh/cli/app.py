@@ -12,6 +12,7 @@ from tusqh.cli.inspect import inspect
 from tusqh.cli.interruption import catch_signals
 from tusqh.cli.mesh import mesh
 from tusqh.cli.show import report_error
+from tusqh.cli.view import view
 from tusqh.errors import TusqhError
 
 app = typer.Typer(
@@ -21,7 +22,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (mesh, inspect, check, add):
+for command in (mesh, inspect, view, check, add):
     app.command()(command)
 
 

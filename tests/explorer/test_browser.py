@@ -1,0 +1,460 @@
+"""Explorers opened from disk in a browser: what they show is what the library says."""
+
+import json
+import shutil
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from playwright.sync_api import sync_playwright
+from subjects import keys_of, make_subject, noise
+
+from tusqh.antialias.cells import CellSets
+from tusqh.antialias.policy import Policy
+from tusqh.explorer.page import make_page
+from tusqh.geometry.image import Image
+from tusqh.topology.persistence import count_alive
+
+#: These make WebGL work without a graphics card, and keep the browser from calling home.
+FLAGS = [
+    *("--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"),
+    *("--enable-unsafe-swiftshader", "--disable-background-networking", "--no-first-run"),
+    *("--disable-component-update", "--disable-sync"),
+]
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+POLICIES = {
+    "plane": {"components": {"min_cells": 3}, "holes": {"min_cells": 2}},
+    "space": {"components": {"min_cells": 4}, "voids": {"min_cells": 2}},
+}
+SHAPES = {"plane": (9, 7), "space": (6, 5, 7)}
+ATTACK = "</script><script>document.title = 'taken'</script><img src=x onerror=alert(1)>"
+
+
+@pytest.fixture(scope="module")
+def browser():
+    found = [path for path in map(shutil.which, BROWSERS) if path]
+    if not found:
+        pytest.skip(f"none of {', '.join(BROWSERS)} on the PATH: apt-get install chromium")
+    with sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=found[0], args=FLAGS)
+        yield opened
+        opened.close()
+
+
+class Opened:
+    """A page with all that went wrong in it."""
+
+    def __init__(self, browser, path):
+        self.page = browser.new_page(viewport={"width": 1280, "height": 800})
+        self.messages, self.requests = [], []
+        self.page.on("console", lambda message: self.messages.append(message.text))
+        self.page.on("pageerror", lambda error: self.messages.append(str(error)))
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.goto(path.as_uri())
+        self.page.wait_for_selector("body[data-ready]")
+
+    def evaluate(self, script, argument=None):
+        return self.page.evaluate(script, argument)
+
+    def text(self, selector):
+        return self.page.inner_text(selector)
+
+    def betti(self):
+        return [int(b.replace(",", "")) for b in self.page.locator("#betti b").all_inner_texts()]
+
+    def cells(self):
+        return int(self.text("#cells").split()[0].replace(",", ""))
+
+
+@pytest.fixture(scope="module", params=["plane", "space"])
+def subject(request):
+    dim = len(SHAPES[request.param])
+    fractions = noise(np.random.default_rng(dim), SHAPES[request.param])
+    return make_subject(fractions, POLICIES[request.param], name=request.param)
+
+
+@pytest.fixture(scope="module")
+def opened(browser, subject, tmp_path_factory):
+    path = tmp_path_factory.mktemp("explorer") / f"{subject.name} with spaces.html"
+    path.write_text(make_page(subject), encoding="utf-8")
+    opened = Opened(browser, path)
+    yield opened
+    assert opened.messages == []
+    assert opened.requests == [path.as_uri()]  # Nothing but the file itself.
+    opened.page.close()
+
+
+@pytest.fixture(autouse=True)
+def from_the_start(request):
+    """Begin every test at the chosen threshold, whatever the one before did."""
+    if "opened" in request.fixturenames:
+        page = request.getfixturevalue("opened")
+        page.evaluate(
+            "explorer.setView('cells'); explorer.step('chosen'); explorer.diagram.pin(-1)"
+        )
+        page.page.click("#tab-diagram")
+
+
+def boundary_codes(kept, ranges=None):
+    """Return faces between shown and other cells as (cell, direction), by comparing neighbours."""
+    if kept.ndim == 2:
+        return {(int(c), 5) for c in np.flatnonzero(kept)}
+    shown = kept.copy()
+    if ranges is not None:
+        axis, start, stop = ranges
+        layers = np.arange(kept.shape[axis])
+        outside = (layers < start) | (layers >= stop)
+        shown[(slice(None),) * axis + (outside,)] = False
+    codes = set()
+    flat = np.arange(kept.size).reshape(kept.shape)
+    for axis in range(3):
+        for side, step in enumerate((-1, 1)):
+            beyond = np.roll(np.pad(shown, 1), -step, axis=axis)[(slice(1, -1),) * 3]
+            codes |= {(int(c), 2 * axis + side) for c in flat[shown & ~beyond]}
+    return codes
+
+
+def drawn_codes(opened):
+    """Return (cell, direction, state) of all faces; a solid shows three directions at a time."""
+    codes = opened.evaluate(
+        """() => {
+        const { faces, plateaus, plateau, exceptions, window } = explorer;
+        const out = [];
+        for (const facing of faces.isFlat ? [[5]] : [[0, 2, 4], [1, 3, 5]]) {
+          const n = faces.collect(plateaus.cut[plateau], exceptions, window, facing);
+          for (let f = 0; f < n; f++) out.push(faces.code[4 * f]);
+        }
+        return out; }"""
+    )
+    found = [(c >> 5, c & 7, c >> 3 & 3) for c in codes]
+    assert len(set(found)) == len(found)
+    return found
+
+
+def test_the_view_shows_the_boundary_of_the_kept_cells_at_random_thresholds(opened, subject):
+    sets = CellSets(subject.fractions, Policy.from_settings(subject.selection.policy))
+    rng = np.random.default_rng(5)
+    for threshold in rng.uniform(0.001, 1.0, 25):
+        opened.evaluate("t => explorer.setThreshold(t)", threshold)
+        found = drawn_codes(opened)
+        kept = sets.at(threshold).kept
+        removed = (subject.fractions.cells >= threshold) & ~kept
+        assert {f[:2] for f in found if f[2] != 1} == boundary_codes(kept)
+        assert {f[0] for f in found if f[2] == 1} == set(np.flatnonzero(removed).tolist())
+
+
+@pytest.mark.parametrize(("axis", "at"), [(0, 2), (1, 4), (2, 5)])
+def test_a_cut_shows_the_boundary_of_the_layers_that_are_left(opened, subject, axis, at):
+    page = opened.page
+    if subject.fractions.grid.dim == 2:
+        assert not page.is_visible("#cut-axis")
+        return
+    page.select_option("#cut-axis", str(axis))
+    page.fill("#cut-at", str(at))
+    sets = CellSets(subject.fractions, Policy.from_settings(subject.selection.policy))
+    n = subject.fractions.grid.shape[axis]
+    ranges = (axis, n - at, n) if axis == 1 else (axis, 0, at)
+    for threshold in (0.9, 0.5, 0.1):
+        opened.evaluate("t => explorer.setThreshold(t)", threshold)
+        found = {f[:2] for f in drawn_codes(opened) if f[2] != 1}
+        assert found == boundary_codes(sets.at(threshold).kept, ranges)
+    page.select_option("#cut-axis", "")
+
+
+def test_cells_and_betti_numbers_are_those_of_the_tables(opened, subject):
+    dim = subject.fractions.grid.dim
+    for row in subject.topologies.itertuples():
+        opened.evaluate("t => explorer.setThreshold(t)", row.threshold)
+        assert opened.cells() == row.cells
+        assert opened.betti() == [row.betti_0, row.betti_1, row.betti_2][:dim]
+        now = opened.evaluate("explorer.state()")
+        assert now["raw"] == [row.raw_betti_0, row.raw_betti_1, row.raw_betti_2]
+        assert now["lower"] <= row.threshold <= now["upper"]
+        assert now["lower"] < now["threshold"] <= now["upper"]
+        alive = count_alive(subject.diagram, np.array([now["threshold"]]))[0]
+        for k in range(dim):
+            assert (
+                opened.evaluate(
+                    "k => explorer.diagram.countAlive(k, explorer.state().threshold)", k
+                )
+                == alive[k]
+            )
+
+
+def test_the_slider_snaps_to_plateaus(opened, subject):
+    for wanted in (0.03, 0.31, 0.77, 1.0):
+        opened.page.fill("#slider", str(wanted))
+        now = opened.evaluate("explorer.state()")
+        assert now["lower"] < wanted <= now["upper"]
+        value = float(opened.page.input_value("#slider"))
+        assert value == now["threshold"]
+        assert f"--threshold {value:g} " in opened.text("#command") + " "
+
+
+def test_every_plateau_can_be_reached_with_the_keyboard(opened, subject):
+    page = opened.page
+    page.focus("#slider")
+    page.keyboard.press("End")
+    seen = [opened.evaluate("explorer.plateau")]
+    n = opened.evaluate("explorer.plateaus.count")
+    for _ in range(n - 1):
+        page.keyboard.press("ArrowLeft")
+        seen.append(opened.evaluate("explorer.plateau"))
+    assert seen == list(range(n))
+    page.keyboard.press("ArrowLeft")
+    assert opened.evaluate("explorer.plateau") == n - 1
+    page.keyboard.press("ArrowRight")
+    assert opened.evaluate("explorer.plateau") == n - 2
+    page.keyboard.press("End")
+    # Page Down goes from one topology to the next, and misses none.
+    betti = subject.topologies.loc[
+        subject.topologies["cells"] > 0, ["betti_0", "betti_1", "betti_2"]
+    ]
+    runs = 1 + int((betti.diff().iloc[1:] != 0).any(axis=1).sum())
+    visited = set()
+    for _ in range(2 * runs + 2):
+        visited.add(
+            opened.evaluate(
+                "explorer.plateaus.runs.findIndex(run =>"
+                " run.start <= explorer.plateau && explorer.plateau <= run.end)"
+            )
+        )
+        page.keyboard.press("PageDown")
+    assert visited - {-1} == set(range(runs))
+    assert "kept" in page.get_attribute("#slider", "aria-valuetext")
+
+
+def test_pointing_at_a_class_lights_up_its_cells(opened, subject):
+    pairs = subject.diagram.sort_values(
+        ["persistence", "dimension", "birth"], ascending=[False, True, False], kind="stable"
+    )
+    dying = int(np.flatnonzero(~pairs["essential"].to_numpy())[0])
+    row = pairs.iloc[dying]
+    assert opened.evaluate("explorer.markers.places.length") == 0
+    box = opened.page.locator("#diagram").bounding_box()
+    x, y = opened.evaluate("i => explorer.diagram.place(i)", dying)
+    opened.page.mouse.move(box["x"] + x, box["y"] + y)
+    shown = opened.evaluate("explorer.diagram.shown")
+    # Another pair may lie on the same point: it is one with the same birth and death.
+    found = pairs.iloc[shown]
+    assert (found["birth"], found["death"]) == (row["birth"], row["death"])
+    places = opened.evaluate("explorer.markers.places.map(p => p.centre)")
+    grid = subject.fractions.grid
+    expected = [[found[f"{event}_{a}"] for a in "xyz"[: grid.dim]] for event in ("death", "birth")]
+    np.testing.assert_allclose(grid.to_points(np.array(places)[:, : grid.dim]), expected)
+    assert opened.evaluate("explorer.markers.object.children.length") == 4  # Two boxes with edges.
+    for event in ("birth", "death"):
+        index = ", ".join(str(found[f"{event}_{a}"]) for a in "ijk"[: grid.dim])
+        assert f"{found[f'{event}_at']} ({index}) enters" in opened.text("#pair")
+    opened.page.mouse.move(5, 5)
+    assert opened.evaluate("explorer.markers.places.length") == 0
+
+
+def test_classes_can_be_walked_through_with_the_keyboard(opened, subject):
+    page = opened.page
+    page.focus("#diagram")
+    seen = []
+    for key in ("ArrowRight", "ArrowRight", "End", "ArrowRight", "ArrowLeft"):
+        page.keyboard.press(key)
+        seen.append(opened.evaluate("explorer.diagram.shown"))
+    last = len(subject.diagram) - 1
+    assert seen == [0, 1, last, 0, last]
+    page.get_by_role("button", name="Just appeared").click()
+    now = opened.evaluate("explorer.state()")
+    assert now["upper"] == opened.evaluate("explorer.diagram.birth(explorer.diagram.shown)")
+    page.focus("#diagram")
+    page.keyboard.press("Escape")
+    assert opened.evaluate("explorer.diagram.shown") == -1
+
+
+def test_the_final_mesh_has_all_its_facets(opened, subject):
+    opened.page.click("[data-view=mesh]")
+    mesh = subject.mesh
+    shown = opened.evaluate("explorer.layers.mesh.object.geometry.drawRange.count / 6")
+    if mesh.dim == 2:
+        assert shown == mesh.n_cells
+    else:
+        faces = np.sort(
+            mesh.cells[
+                :,
+                [
+                    [0, 4, 7, 3],
+                    [1, 2, 6, 5],
+                    [0, 1, 5, 4],
+                    [3, 7, 6, 2],
+                    [0, 3, 2, 1],
+                    [4, 5, 6, 7],
+                ],
+            ].reshape(-1, 4),
+            axis=1,
+        )
+        assert shown == (np.unique(faces, axis=0, return_counts=True)[1] == 1).sum()
+    assert opened.evaluate("explorer.layers.cells.object.visible") is False
+    assert opened.evaluate("explorer.plateau === explorer.plateaus.chosen")
+    legend = opened.text("#legend")
+    for kind, count in zip(*np.unique(mesh.kind, return_counts=True), strict=True):
+        name = ("grid cell", "inner cell", "separating template", "connecting template", "bridge")[
+            kind
+        ]
+        assert f"{name} ({count:,})" in legend
+    opened.page.focus("#slider")
+    opened.page.keyboard.press("ArrowLeft")  # The mesh is of one threshold: back to the cells.
+    assert opened.evaluate("explorer.view") == "cells"
+
+
+def test_something_is_drawn(opened):
+    """Count pixels of the kept cells' colour: WebGL does draw."""
+    share = opened.evaluate(
+        """() => { explorer.stage.draw();
+        const gl = explorer.stage.renderer.getContext();
+        const [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+        const pixels = new Uint8Array(4 * w * h);
+        gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+        let n = 0;
+        for (let i = 0; i < pixels.length; i += 4) n += pixels[i + 2] - pixels[i] > 25;
+        return n / (w * h); }"""
+    )
+    assert share > 0.02
+
+
+def test_only_faces_in_sight_are_drawn_and_all_of_them(opened, subject):
+    """Look from all sides: the faces drawn are those whose direction faces the eye."""
+    if subject.fractions.grid.dim == 2:
+        assert opened.evaluate("explorer.stage.facing") == [5]
+        return
+    kept = CellSets(subject.fractions, Policy.from_settings(subject.selection.policy)).at(0.5).kept
+    expected = boundary_codes(kept)
+    opened.evaluate("explorer.setThreshold(0.5)")
+    for _ in range(6):
+        opened.evaluate("explorer.stage.orbit(8, 0); explorer.stage.draw()")
+        eye = opened.evaluate(
+            "explorer.stage.camera.getWorldDirection(new THREE.Vector3()).toArray()"
+        )
+        facing = {2 * axis + (towards < 0) for axis, towards in enumerate(eye)}
+        codes = opened.evaluate(
+            "Array.from(explorer.faces.code.slice(0, 4 * explorer.faces.count))"
+        )
+        assert codes[::4] == codes[3::4]
+        found = {(c >> 5, c & 7) for c in codes[::4] if c >> 3 & 3 != 1}
+        assert found == {code for code in expected if code[1] in facing}
+
+
+def test_the_stage_obeys_the_keyboard(opened, subject):
+    page = opened.page
+    page.focus("#stage")
+    where = "[...explorer.stage.camera.position.toArray(), explorer.stage.camera.zoom]"
+    before = opened.evaluate(where)
+    page.keyboard.press("ArrowLeft")
+    turned = opened.evaluate(where)
+    assert turned != before
+    page.keyboard.press("+")
+    assert opened.evaluate(where)[3] > before[3]
+    page.keyboard.press("0")
+    np.testing.assert_allclose(opened.evaluate(where), before, atol=1e-6)
+
+
+def test_tabs_follow_arrow_keys_and_focus_is_seen(opened):
+    page = opened.page
+    page.focus("#tab-diagram")
+    for name in ("topologies", "defects", "quality", "diagram"):
+        page.keyboard.press("ArrowRight")
+        assert page.get_attribute(f"#tab-{name}", "aria-selected") == "true"
+        assert page.is_visible(f"#panel-{name}")
+        assert page.locator("[role=tabpanel]:visible").count() == 1
+        outline = "getComputedStyle(document.activeElement).outlineStyle"
+        assert opened.evaluate(outline) == "solid"
+    for selector in ("button:visible", "input:visible", "select:visible", "[role=application]"):
+        for control in page.locator(selector).all():
+            named = control.evaluate("e => e.innerText || e.ariaLabel || e.labels?.length")
+            assert named, control.evaluate("e => e.outerHTML")
+
+
+def test_tables_are_shown_as_they_are(opened, subject):
+    page = opened.page
+    page.click("#tab-topologies")
+    rows = page.locator("#panel-topologies tbody tr")
+    rows.last.click()
+    assert opened.evaluate("explorer.plateau") == opened.evaluate(
+        "explorer.plateaus.runs.at(-1).middle"
+    )
+    assert "current" in rows.last.get_attribute("class")
+    page.click("#tab-quality")
+    assert "a check" in opened.text("#panel-quality")
+    n = len(subject.tables["features"])
+    assert page.locator("#panel-quality table").nth(2).locator("tbody tr").count() == n
+
+
+def test_names_that_attack_are_only_text(browser, tmp_path):
+    fractions = noise(np.random.default_rng(7), (4, 4))
+    subject = make_subject(fractions)
+    evil = subject.tables["verdict"].assign(name=ATTACK)
+    tables = subject.tables | {
+        "verdict": evil,
+        "defects": subject.tables["defects"].assign(explanation=ATTACK),
+    }
+    selection = replace(subject.selection, reason=ATTACK, wanted=ATTACK)
+    subject = replace(subject, name=ATTACK, unit=ATTACK, tables=tables, selection=selection)
+    path = tmp_path / "attack.html"
+    path.write_text(make_page(subject), encoding="utf-8")
+    opened = Opened(browser, path)
+    assert opened.page.title() == f"{ATTACK} - tusqh explorer"
+    assert opened.text("#model-name") == ATTACK
+    opened.page.click("[data-view=mesh]")
+    assert ATTACK in opened.text("#note")
+    opened.page.click("#tab-quality")
+    assert ATTACK in opened.text("#panel-quality")
+    assert opened.page.locator("img").count() == 0
+    assert opened.page.locator("script").count() == 8  # Facts, five blocks, three.js, the page.
+    assert opened.requests == [path.as_uri()]
+    # Should markup get in nevertheless, the policy of the page lets nothing run.
+    opened.evaluate(
+        "document.body.insertAdjacentHTML('beforeend', '<img src=x onerror=\"window.taken = 1\">')"
+    )
+    opened.page.wait_for_timeout(100)
+    assert opened.evaluate("window.taken") is None
+    assert any("Content Security Policy" in message for message in opened.messages)
+
+
+def test_a_browser_without_webgl_still_shows_the_rest(browser, tmp_path):
+    subject = make_subject(noise(np.random.default_rng(8), (4, 3, 4)))
+    path = tmp_path / "plain.html"
+    path.write_text(make_page(subject), encoding="utf-8")
+    page = browser.new_page()
+    page.add_init_script(
+        """const old = HTMLCanvasElement.prototype.getContext;
+        HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+          return kind === '2d' ? old.call(this, kind, ...more) : null;
+        };"""
+    )
+    page.goto(path.as_uri())
+    page.wait_for_selector("body[data-ready]")
+    assert "WebGL 2" in page.inner_text("#failure")
+    page.focus("#slider")
+    page.keyboard.press("End")
+    page.focus("#diagram")
+    page.keyboard.press("ArrowRight")
+    assert "enters" in page.inner_text("#pair")
+    page.click("[data-view=mesh]")
+    assert page.inner_text("#betti")
+
+
+def test_numbers_survive_the_way_into_the_page(opened, subject):
+    facts = json.loads(opened.evaluate("document.getElementById('facts-json').textContent"))
+    assert facts["chosen"]["threshold"] == subject.selection.threshold
+    assert facts["grid"] == subject.fractions.grid.to_dict()
+    levels = opened.evaluate("Array.from(explorer.faces.tone)")
+    keys = np.unique(np.clip(keys_of(subject.fractions.cells), 0, None).clip(max=2**20))
+    assert len(levels) == len(np.union1d(keys, [0]))
+
+
+def test_an_image_has_cells_and_a_mesh_but_no_geometry_to_show(browser, tmp_path):
+    subject = make_subject(noise(np.random.default_rng(9), (4, 3, 4)))
+    subject = replace(subject, geometry=Image(np.ones((2, 2, 2))))
+    path = tmp_path / "image.html"
+    path.write_text(make_page(subject), encoding="utf-8")
+    opened = Opened(browser, path)
+    assert not opened.page.is_visible("[data-view=geometry]")
+    opened.page.focus("[data-view=cells]")
+    opened.page.keyboard.press("ArrowLeft")  # Around the end, to the other one.
+    assert opened.evaluate("explorer.view") == "mesh"
+    assert opened.messages == []

@@ -1,0 +1,109 @@
+"""`tusqh view`: the explorer of a model, in the browser."""
+
+from __future__ import annotations
+
+import webbrowser
+from pathlib import Path
+from typing import Annotated, Any, cast
+
+import typer
+from rich.console import Console
+
+from tusqh.cli import options
+from tusqh.cli.progress import shown
+
+
+def view(
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="SOURCE",
+            help=f"A result folder, or a geometry to mesh: {options.FORMATS}; package:NAME/FILE.",
+        ),
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="The page to write. (default view.html in the folder, or GEOMETRY.html here)",
+        ),
+    ] = None,
+    is_opened: Annotated[
+        bool, typer.Option("--open/--no-open", help="Open the page in the browser, or not.")
+    ] = True,
+    cells: options.Cells = None,
+    cell_size: options.CellSize = None,
+    betti: options.Betti = None,
+    threshold: options.Threshold = None,
+    window: options.Window = None,
+    domain: options.Domain = "inside",
+    samples: options.Samples = 4,
+    rule: options.Rule = "average",
+    orientation: options.Orientation = "auto",
+    min_cells: options.MinCells = None,
+    voxel_size: options.VoxelSize = None,
+    empty: options.Empty = None,
+    full: options.Full = None,
+    unit: Annotated[str, typer.Option(help="Unit of length of the geometry, for the axes.")] = "m",
+) -> None:
+    """Look at a model at every threshold, in one page that needs nothing but a browser.
+
+    A result folder is shown as it is, by the page of the workflow where there is one; a geometry
+    is meshed first, as by tusqh mesh, and its options then count. The page holds everything: it
+    can be moved, and sent to others.
+
+    For example:
+
+    * `tusqh view results/bearings`
+
+    * `tusqh view part.stl --cells 48 --betti 1,0,0 --no-open -o part.html`
+    """
+    folder = Path(source)
+    if folder.is_dir():
+        page = _from_folder(folder, output, unit)
+    else:
+        page = output or Path(folder.stem + ".html")
+        asked = {"cells": cells, "cell_size": cell_size, "betti": betti, "threshold": threshold}
+        asked |= {"window": window, "domain": domain, "samples": samples, "rule": rule}
+        image = options.to_image(voxel_size, empty, full)
+        asked |= {"orientation": orientation, "image": image}
+        if min_cells is not None:
+            asked["components"] = {"min_cells": min_cells}
+        _write_from_geometry(page, source, unit, asked)
+    console = Console(highlight=False, markup=False, soft_wrap=True)
+    console.print(f"{page} ({page.stat().st_size / 1e6:.1f} MB)")
+    if is_opened and not webbrowser.open(page.absolute().as_uri()):
+        console.print("no browser was found: open that file in one")
+
+
+def _from_folder(folder: Path, output: Path | None, unit: str) -> Path:
+    """Return the page of a result folder: the workflow's, unless its inputs changed since."""
+    from tusqh.atomic import write_text
+    from tusqh.explorer.page import make_page
+    from tusqh.explorer.subject import FILES, read_subject
+
+    made = folder / "explorer.html"
+    files = [folder / file for file in FILES]
+    if output is None and made.is_file() and all(file.is_file() for file in files):
+        newest = max(file.stat().st_mtime for file in files)
+        if newest <= made.stat().st_mtime:
+            return made
+    page = output or folder / "view.html"
+    write_text(page, make_page(read_subject(folder, unit=unit)))
+    return page
+
+
+def _write_from_geometry(page: Path, source: str, unit: str, asked: dict[str, Any]) -> None:
+    """Mesh a geometry and write its page."""
+    from tusqh.atomic import require_writable, write_text
+    from tusqh.explorer.page import make_page
+    from tusqh.explorer.subject import subject_of
+    from tusqh.pipeline.mesh import mesh
+
+    require_writable(page)
+    with shown() as progress:
+        result = mesh(source, progress=progress, **cast(Any, asked))
+        progress("explorer")
+        text = make_page(subject_of(result, geometry=source, unit=unit))
+    write_text(page, text)

@@ -1,0 +1,1 @@
+"""The explorer: one HTML file per model with a slider over the threshold."""

@@ -1,0 +1,241 @@
+"""What the page draws, as arrays: the field, the plateaus, the diagram, the mesh, the geometry.
+
+The page needs no faces per threshold.  A face between two cells is on the boundary of the kept
+cells exactly for ``lower fraction < t <= higher fraction``, so the ranks of the cell fractions say
+it for every threshold; the page lists the faces once and picks the visible ones at each step.
+
+Fractions and thresholds are *keys*, whole multiples of `RESOLUTION` in 0..`TOP`; coordinates are in
+cells from the grid's origin.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from tusqh.antialias.cells import CellSets
+from tusqh.explorer.encode import smallest_unsigned
+from tusqh.geometry.files import Geometry
+from tusqh.geometry.image import Image
+from tusqh.geometry.outline import Outline
+from tusqh.grid import BackgroundGrid, FloatArray, IntArray
+from tusqh.meshes.facets import find_facets
+from tusqh.meshes.jacobians import corner_jacobians
+from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.sampling.doubled_grid import RESOLUTION
+from tusqh.sampling.fractions import VolumeFractions
+from tusqh.threshold.plateaus import BETTI
+from tusqh.topology.merge_tree import TOP
+
+Arrays = dict[str, NDArray[Any]]
+
+#: Meshes of more elements are shown by their boundary alone, and cannot be cut open.
+CUT_ELEMENTS = 200_000
+
+#: Geometry of more segments or triangles is left out.
+GEOMETRY_PIECES = 300_000
+
+#: Steps of a coordinate along the longest side of the geometry's box.
+_GEOMETRY_STEPS = 2**16 - 1
+
+
+def field_arrays(fractions: VolumeFractions) -> Arrays:
+    """Return the cell fractions: `levels`, distinct keys from 0 up, and the `rank` of each cell.
+
+    A cell of rank r is kept at thresholds up to ``levels[r]``; those of rank 0 never are.
+
+    Examples
+    --------
+    >>> values = np.zeros((5, 3))
+    >>> values[1::2, 1] = 0.75, -0.125
+    >>> grid = BackgroundGrid(shape=(2, 1), cell_size=1.0, origin=(0.0, 0.0))
+    >>> arrays = field_arrays(VolumeFractions.from_values(grid, 4, values))
+    >>> (arrays["levels"] / TOP).tolist(), arrays["rank"].tolist()
+    ([0.0, 0.75], [1, 0])
+    """
+    keys = np.clip(_to_keys(fractions.cells), 0, TOP).ravel()
+    levels, rank = np.unique(np.append(keys, 0), return_inverse=True)
+    return {"levels": levels.astype(np.uint32), "rank": smallest_unsigned(rank[:-1])}
+
+
+def plateau_arrays(cell_sets: CellSets, curves: pd.DataFrame, topologies: pd.DataFrame) -> Arrays:
+    """Return the plateaus of the threshold, from high to low, and what is special on each.
+
+    Parameters
+    ----------
+    cell_sets
+        The cells of every threshold.
+    curves
+        Raw Betti numbers, see `tusqh.topology.curves.betti_curves`.
+    topologies
+        Betti numbers of meshes, see `tusqh.threshold.plateaus.predict_plateaus`.
+
+    Returns
+    -------
+    arrays
+        `upper`: key of every plateau's highest threshold; the next one's is its lower end, the
+        last one's lower end is 0.  ``raw_0`` .. ``raw_2``: Betti numbers of the filtration.
+        ``mesh_0`` .. ``mesh_2``: those of the mesh, -1 where it was not predicted; `clusters` of
+        pinches and `bridges` there.  `toggles`: flat indices of cells that begin or cease to be
+        removed or filled against their fraction, those of plateau p from ``toggles_from[p]`` on.
+    """
+    ends = [table[end] for table in (curves, topologies) for end in ("upper", "lower")]
+    keys = np.unique(_to_keys(np.concatenate(ends)))
+    upper = keys[(keys > 0) & (keys <= TOP)][::-1]
+    arrays = {"upper": upper.astype(np.uint32)}
+    of_curve = _row_of(curves, upper)
+    for k, name in enumerate(BETTI):
+        arrays[f"raw_{k}"] = curves[name].to_numpy()[of_curve].astype(np.int32)
+    of_mesh = _row_of(topologies, upper)
+    ends_of = [_to_keys(topologies[end].to_numpy())[of_mesh] for end in ("lower", "upper")]
+    is_examined = (ends_of[0] < upper) & (upper <= ends_of[1])
+    columns = {"clusters": "clusters", "bridges": "bridges"}
+    for key, name in (columns | {f"mesh_{k}": name for k, name in enumerate(BETTI)}).items():
+        found = topologies[name].to_numpy()[of_mesh]
+        arrays[key] = np.where(is_examined, found, -1).astype(np.int32)
+    return arrays | _toggles(cell_sets, topologies, np.where(is_examined, of_mesh, -1))
+
+
+def _toggles(cell_sets: CellSets, topologies: pd.DataFrame, of_mesh: IntArray) -> Arrays:
+    """Return which cells change, from plateau to plateau, whether they go by their fraction."""
+    cells = cell_sets.fractions.cells
+    thresholds = topologies["threshold"].to_numpy()
+    is_special = np.asarray((topologies["removed"] > 0) | (topologies["filled"] > 0))
+    before = nothing = np.empty(0, dtype=np.int64)
+    known = {-1: nothing}
+    changes = []
+    for row in of_mesh.tolist():
+        if row not in known:
+            known = {-1: nothing, row: nothing}
+            if is_special[row]:
+                kept = cell_sets.at(thresholds[row]).kept
+                known[row] = np.flatnonzero(kept != (cells >= thresholds[row]))
+        changes.append(np.setxor1d(before, known[row], assume_unique=True))
+        before = known[row]
+    starts = np.cumsum([0, *map(len, changes)])
+    return {
+        "toggles_from": starts.astype(np.uint32),
+        "toggles": np.concatenate([nothing, *changes]).astype(np.uint32),
+    }
+
+
+def pair_arrays(pairs: pd.DataFrame, grid: BackgroundGrid) -> Arrays:
+    """Return the persistence pairs, the longest-lived first.
+
+    Parameters
+    ----------
+    pairs
+        See `tusqh.topology.persistence.locate_pairs`.
+    grid
+        The grid they belong to.
+
+    Returns
+    -------
+    arrays
+        `dimension`, `birth` and `death` (keys), and the places that create and destroy each
+        class as flat indices into the doubled grid, -1 where nothing destroys it.
+    """
+    pairs = pairs.sort_values(
+        ["persistence", "dimension", "birth"], ascending=[False, True, False], kind="stable"
+    )
+    arrays: Arrays = {"dimension": pairs["dimension"].to_numpy().astype(np.uint8)}
+    shape = tuple(2 * n + 1 for n in grid.shape)
+    for event in ("birth", "death"):
+        arrays[event] = _to_keys(pairs[event].to_numpy()).astype(np.uint32)
+        at = pairs[[f"{event}_{axis}" for axis in "xyz"[: grid.dim]]].to_numpy(dtype=float)
+        is_there = np.isfinite(at).all(axis=1)
+        doubled = np.rint(2 * _in_cells(np.where(is_there[:, None], at, grid.origin), grid))
+        place = np.ravel_multi_index(tuple(doubled.astype(np.int64).T), shape)
+        arrays[f"{event}_place"] = np.where(is_there, place, -1).astype(np.int32)
+    return arrays
+
+
+def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid) -> Arrays:
+    """Return a mesh as facets between elements, so that the page can cut it open.
+
+    Returns
+    -------
+    arrays
+        `points`; `corners` of every facet (in 2D of every element), walked so that it faces out
+        of its first element: the first corner as difference to that of the facet before, the
+        others as difference to the first.  `first`: the first element, as difference to that of
+        the facet before; `second`: the other element less the first, 0 where there is none.  For
+        every element its `kind`, the grid `cell` it lies in (as difference to that of the element
+        before), and its least scaled Jacobian as `quality`, 0..255.
+    """
+    n = mesh.n_cells
+    points = _in_cells(mesh.points, grid)
+    if mesh.dim == 2:
+        corners, first, second = mesh.cells, np.arange(n), np.arange(n)
+    else:
+        facets = find_facets(mesh.cells)
+        ordered = np.argsort(facets.unique, kind="stable")
+        starts = np.cumsum(facets.n_cells_of) - facets.n_cells_of
+        row = ordered[starts]
+        is_inner = facets.n_cells_of == 2
+        partner = ordered[np.minimum(starts + 1, len(ordered) - 1)]
+        first, second = facets.cell[row], facets.cell[np.where(is_inner, partner, ordered[starts])]
+        corners = facets.corners[row]
+        shown = np.argsort(row)
+        if n > CUT_ELEMENTS:
+            shown = np.setdiff1d(shown, np.flatnonzero(is_inner))
+        corners, first, second = corners[shown], first[shown], second[shown]
+    quality = corner_jacobians(mesh.points, mesh.cells)[1].min(axis=1)
+    arrays = {
+        "points": points.astype(np.float32),
+        "corners": np.column_stack([_steps(corners[:, 0]), corners[:, 1:] - corners[:, :1]]),
+        "first": _steps(first),
+        "second": second - first,
+        "kind": mesh.kind.astype(np.uint8),
+        "cell": _steps(np.maximum(mesh.grid_cell, 0)),
+        "quality": np.rint(255 * np.clip(quality, 0, 1)).astype(np.uint8),
+    }
+    # Neighbours on a grid have neighbouring numbers: differences compress five times better.
+    return {name: a.astype(np.int32) if a.dtype == np.int64 else a for name, a in arrays.items()}
+
+
+def geometry_arrays(geometry: Geometry, grid: BackgroundGrid) -> Arrays:
+    """Return a geometry as it is: `points`, and `pieces`, the ends or corners of each piece.
+
+    Points are rounded to 2^16 steps along the longest side of the geometry's box; `box` holds its
+    lowest corner and that side.  A geometry of too many pieces has none, nor have images.
+    """
+    if isinstance(geometry, Image):
+        points, pieces = np.zeros((1, 3)), np.empty((0, 3), dtype=np.int64)
+    elif isinstance(geometry, Outline):
+        points, pieces = _in_cells(geometry.points, grid), geometry.segments
+    else:
+        points, pieces = _in_cells(geometry.points, grid), geometry.triangles
+    if len(pieces) > GEOMETRY_PIECES:
+        pieces = pieces[:0]
+    lower, side = points.min(axis=0), float(np.ptp(points, axis=0).max()) or 1.0
+    steps, index = np.unique(
+        np.rint((points - lower) / side * _GEOMETRY_STEPS), axis=0, return_inverse=True
+    )
+    return {
+        "box": np.array([*lower, side], dtype=np.float32),
+        "points": steps.astype(np.uint16),
+        "pieces": smallest_unsigned(index.ravel()[pieces]),
+    }
+
+
+def _steps(numbers: IntArray) -> IntArray:
+    return np.diff(numbers, prepend=0)
+
+
+def _to_keys(values: Any) -> IntArray:
+    return np.rint(np.asarray(values, dtype=float) / RESOLUTION).astype(np.int64)
+
+
+def _row_of(table: pd.DataFrame, upper: IntArray) -> IntArray:
+    """Return the row of a table of plateaus, from high to low, that holds each threshold."""
+    lower = _to_keys(table["lower"].to_numpy())
+    rows = np.searchsorted(-lower, -upper, side="right")
+    return np.minimum(rows, len(table) - 1).astype(np.int64)
+
+
+def _in_cells(points: FloatArray, grid: BackgroundGrid) -> FloatArray:
+    return np.asarray((points - np.asarray(grid.origin)) / grid.cell_size)

@@ -1,0 +1,131 @@
+"""One self-contained HTML page about a model."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import html
+import json
+import math
+import re
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tusqh.antialias.cells import CellSets
+from tusqh.antialias.policy import Policy
+from tusqh.explorer.arrays import (
+    field_arrays,
+    geometry_arrays,
+    mesh_arrays,
+    pair_arrays,
+    plateau_arrays,
+)
+from tusqh.explorer.assets import STYLE, TEMPLATE, read_asset, read_script, read_three
+from tusqh.explorer.encode import pack
+from tusqh.explorer.subject import Subject
+from tusqh.meshes.volume_mesh import KINDS
+from tusqh.quality.verdict import overall
+from tusqh.threshold.plateaus import BETTI
+
+
+def make_page(subject: Subject) -> str:
+    """Return the explorer of a model: the same text for the same subject."""
+    grid = subject.fractions.grid
+    cell_sets = CellSets(subject.fractions, Policy.from_settings(subject.selection.policy))
+    blocks = {
+        "field": pack(field_arrays(subject.fractions)),
+        "plateaus": pack(plateau_arrays(cell_sets, subject.curves, subject.topologies)),
+        "pairs": pack(pair_arrays(subject.diagram, grid)),
+        "mesh": pack(mesh_arrays(subject.mesh, grid)),
+        "geometry": pack(geometry_arrays(subject.geometry, grid)),
+    }
+    facts = describe(subject) | {
+        "up": "y" if subject.y_up else "z",
+        "manifests": {name: packed.manifest for name, packed in blocks.items()},
+    }
+    three, script = read_three(), read_script()
+    payloads = "\n".join(
+        f'<script type="text/plain" id="data-{name}">{packed.text}</script>'
+        for name, packed in blocks.items()
+    )
+    return fill(
+        read_asset(TEMPLATE),
+        title=html.escape(f"{subject.name} - tusqh explorer"),
+        policy=_security_policy(three, script),
+        style=read_asset(STYLE),
+        facts=to_script_json(facts),
+        payloads=payloads,
+        three=three,
+        script=script,
+    )
+
+
+def fill(template: str, **parts: str) -> str:
+    """Return a template with each ``{{name}}`` replaced; what is put in is not looked at again.
+
+    >>> fill("{{a}} and {{b}}", a="{{b}}", b="c")
+    '{{b}} and c'
+    """
+    return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], template)
+
+
+def to_script_json(value: Any) -> str:
+    r"""Return a value as JSON that no text in it can break out of a script element with.
+
+    >>> to_script_json({"name": "</script><script>alert(1)"})
+    '{"name":"\\u003c/script>\\u003cscript>alert(1)"}'
+    """
+    text = json.dumps(value, allow_nan=False, ensure_ascii=True, separators=(",", ":"))
+    return text.replace("<", "\\u003c")
+
+
+def describe(subject: Subject) -> dict[str, Any]:
+    """Return what the page says about a model in words and tables, as plain values for JSON."""
+    grid, mesh, selection = subject.fractions.grid, subject.mesh, subject.selection
+    betti = [getattr(selection.predicted, name) for name in BETTI[: grid.dim]]
+    counts = np.bincount(mesh.kind, minlength=len(KINDS))
+    return {
+        "name": subject.name,
+        "unit": subject.unit,
+        "grid": grid.to_dict(),
+        "chosen": {"threshold": selection.threshold, "reason": selection.reason},
+        "verdict": overall(subject.tables["verdict"]),
+        "command": asdict(subject.command),
+        "head": [
+            ["grid", f"{grid.label.replace('x', ' × ')} cells"],
+            ["cell size", f"{grid.cell_size:.6g} {subject.unit}"],
+            ["wanted", selection.wanted],
+            ["chosen threshold", f"{selection.threshold:.6g} ± {selection.margin:.2g}"],
+            ["mesh", f"{mesh.n_cells:,} {'hexes' if grid.dim == 3 else 'quads'}"],
+            ["its Betti numbers", ", ".join(map(str, betti))],
+        ],
+        "kinds": [
+            {"name": KINDS[kind], "index": int(kind), "count": int(counts[kind])}
+            for kind in np.flatnonzero(counts)
+        ],
+        "has_removed": bool((subject.topologies["removed"] > 0).any()),
+        "has_filled": bool((subject.topologies["filled"] > 0).any()),
+        "tables": {name: _to_rows(table) for name, table in subject.tables.items()},
+    }
+
+
+def _to_rows(table: pd.DataFrame) -> dict[str, Any]:
+    rows = [[_plain(value) for value in row] for row in table.itertuples(index=False)]
+    return {"columns": [str(column) for column in table.columns], "rows": rows}
+
+
+def _plain(value: Any) -> Any:
+    value = value.item() if isinstance(value, np.generic) else value
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if math.isnan(value) else str(value)
+    return value if isinstance(value, (bool, int, float, str)) else None
+
+
+def _security_policy(*scripts: str) -> str:
+    """Return a policy that lets a page run these scripts and nothing else, and load nothing."""
+    digests = [base64.b64encode(hashlib.sha256(s.encode()).digest()).decode() for s in scripts]
+    allowed = " ".join(f"'sha256-{digest}'" for digest in digests)
+    return f"default-src 'none'; script-src {allowed}; style-src 'unsafe-inline'; base-uri 'none'"

@@ -1,0 +1,199 @@
+"""Everything about one model that its explorer shows."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from tusqh.antialias.policy import Criteria
+from tusqh.errors import ConfigError
+from tusqh.explorer.command import Command, mesh_command
+from tusqh.geometry.files import Geometry, load_geometry
+from tusqh.meshes.export import read_vtu
+from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.pipeline.result import Result
+from tusqh.sampling.fractions import VolumeFractions
+from tusqh.sampling.io import load_fractions
+from tusqh.threshold.select import Selection
+
+#: Tables that the page shows as they are.
+TABLES = ("defects", "elements", "verdict", "features", "bridges")
+
+#: Suffixes of formats whose convention is that y points up.
+_Y_UP = (".obj", ".glb", ".gltf")
+
+#: Files of a result folder that an explorer is made of.
+FILES = (
+    *("geometry.vtp", "fractions.npz", "plateaus.csv", "topologies.csv", "diagram.csv"),
+    *("threshold.json", "mesh.vtu", *(f"{table}.csv" for table in TABLES)),
+)
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A model with its mesh and every table about it.
+
+    Parameters
+    ----------
+    name
+        The model, any text.
+    unit
+        Unit of length of its geometry.
+    y_up
+        Whether a solid first stands on its lowest y instead of its lowest z.
+    command
+        The command that makes its mesh.
+    geometry
+        The outline or soup, as it is.
+    fractions
+        Volume fractions of cells and sub-cells.
+    curves
+        Raw Betti numbers by plateau, see `tusqh.topology.curves.betti_curves`.
+    topologies
+        Betti numbers of meshes by plateau, see `tusqh.threshold.plateaus.predict_plateaus`.
+    diagram
+        Persistence pairs, see `tusqh.topology.persistence.locate_pairs`.
+    selection
+        The chosen threshold.
+    mesh
+        The mesh at it.
+    tables
+        `TABLES` by name.
+    """
+
+    name: str
+    unit: str
+    y_up: bool
+    command: Command
+    geometry: Geometry
+    fractions: VolumeFractions
+    curves: pd.DataFrame
+    topologies: pd.DataFrame
+    diagram: pd.DataFrame
+    selection: Selection
+    mesh: VolumeMesh
+    tables: dict[str, pd.DataFrame]
+
+
+def subject_of(result: Result, *, geometry: str, unit: str = "m") -> Subject:
+    """Return what a mesh comes with as the subject of its explorer.
+
+    Parameters
+    ----------
+    result
+        What `tusqh.mesh` returned.
+    geometry
+        The geometry file, for the command.
+    unit
+        Its unit of length.
+    """
+    cells = result.built.resolved.cells
+    return Subject(
+        name=result.name,
+        unit=unit,
+        y_up=stands_on_y(geometry),
+        command=mesh_command(geometry, result.settings, name=result.name),
+        geometry=result.geometry,
+        fractions=result.fractions,
+        curves=result.curves,
+        topologies=result.topologies,
+        diagram=result.diagram,
+        selection=result.selection,
+        mesh=result.mesh,
+        tables={
+            "defects": result.defects,
+            "elements": result.judgement.elements,
+            "verdict": result.judgement.verdict,
+            "features": cells.dropped,
+            "bridges": cells.bridge_table,
+        },
+    )
+
+
+def read_subject(
+    folder: Path,
+    *,
+    geometry: str | None = None,
+    unit: str = "m",
+    settings: Mapping[str, Any] | None = None,
+) -> Subject:
+    """Return what a result folder holds about its model; the folder has the model's name.
+
+    Parameters
+    ----------
+    folder
+        The folder.
+    geometry
+        The geometry file, for the command; without it the name that the folder knows it by.
+    unit
+        Its unit of length.
+    settings
+        The model's block of the configuration; without it what the folder says about it.
+
+    Raises
+    ------
+    ConfigError
+        Files are missing from the folder.
+    """
+    missing = [file for file in FILES if not (folder / file).is_file()]
+    if missing:
+        raise ConfigError(
+            f"no {', '.join(missing)} in it",
+            where=str(folder),
+            expected="the result folder of a model, with " + ", ".join(FILES),
+            remedy="make it with the workflow, or with tusqh mesh GEOMETRY --results FOLDER",
+        )
+    name = folder.resolve().name
+    chosen: dict[str, Any] = json.loads((folder / "threshold.json").read_text(encoding="utf-8"))
+    fractions = load_fractions(folder / "fractions.npz")
+    shape = load_geometry(folder / "geometry.vtp")
+    file = geometry or shape.name
+    command = mesh_command(
+        file, _known(chosen, fractions) if settings is None else settings, name=name
+    )
+    if settings is None:
+        command = replace(command, note="domain, rule and orientation are not known here")
+    return Subject(
+        name=name,
+        unit=unit,
+        y_up=stands_on_y(file),
+        command=command,
+        geometry=shape,
+        fractions=fractions,
+        curves=pd.read_csv(folder / "plateaus.csv"),
+        topologies=pd.read_csv(folder / "topologies.csv"),
+        diagram=pd.read_csv(folder / "diagram.csv"),
+        selection=Selection.from_dict(chosen),
+        mesh=read_vtu(folder / "mesh.vtu", name=name),
+        tables={table: pd.read_csv(folder / f"{table}.csv") for table in TABLES},
+    )
+
+
+def stands_on_y(geometry: str) -> bool:
+    """Return whether the format of a geometry file has y point up.
+
+    >>> stands_on_y("bunny.OBJ"), stands_on_y("part.stl")
+    (True, False)
+    """
+    return geometry.lower().endswith(_Y_UP)
+
+
+def _known(chosen: Mapping[str, Any], fractions: VolumeFractions) -> dict[str, Any]:
+    """Return as much of a model's block of the configuration as its results tell."""
+    policy = dict(chosen["policy"])
+    for key in ("components", "holes", "voids"):
+        unset = asdict(Criteria())
+        policy[key] = {k: v for k, v in policy[key].items() if v != unset[k]}
+    grid = fractions.grid
+    box = {"lower": list(grid.origin), "upper": list(grid.upper)}
+    return {
+        "grid": {"cells": list(grid.shape)},
+        "window": box,
+        "samples": fractions.samples,
+        **policy,
+    }

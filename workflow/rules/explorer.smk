@@ -1,0 +1,34 @@
+from tusqh.explorer.assets import assets_fingerprint
+
+
+rule explorer:
+    input:
+        geometry="results/{model}/geometry.vtp",
+        fractions="results/{model}/fractions.npz",
+        plateaus="results/{model}/plateaus.csv",
+        topologies="results/{model}/topologies.csv",
+        pairs="results/{model}/diagram.csv",
+        threshold="results/{model}/threshold.json",
+        mesh="results/{model}/mesh.vtu",
+        features="results/{model}/features.csv",
+        bridges="results/{model}/bridges.csv",
+        defects="results/{model}/defects.csv",
+        elements="results/{model}/elements.csv",
+        verdict="results/{model}/verdict.csv",
+    output:
+        page="results/{model}/explorer.html",
+        record="results/provenance/{model}/explorer.json",
+        record_how="results/provenance/{model}/explorer.how.json",
+    params:
+        page=assets_fingerprint(),
+        source=of_model("geometry", "unit"),
+        settings=of_model(
+            *("image", "grid", "window", "samples", "domain", "rule", "orientation"),
+            *("mixed_pinches", "bridges", "components", "holes", "voids"),
+        ),
+    log:
+        "results/{model}/logs/explorer.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/explorer.py"
