@@ -1,5 +1,6 @@
 """The overview shows what the tables say, links to files that exist, and escapes everything."""
 
+import hashlib
 import json
 from html.parser import HTMLParser
 from pathlib import Path
@@ -53,8 +54,8 @@ def write_model(folder: Path, name: str, *, holds: bool = True, n_rows: int = 3)
     facts |= {"volume": 3.0, "winding_volume": 4.0}
     (folder / "certificate.json").write_text(json.dumps(certificate))
     (folder / "mesh.json").write_text(json.dumps(facts))
-    record = {"inputs": [{"path": f"data/{NASTY}.stl", "sha256": "b" * 64}]}
-    (folder / "ingest.json").write_text(json.dumps(record))
+    geometry = folder / "<b>'&.stl"
+    geometry.write_bytes(b"solid")
     tables = {
         "defects": {"defect": ["boundary_edges"], "count": [9], "explanation": [NASTY]},
         "candidates": {"rank": [1], "threshold": [0.5]},
@@ -67,7 +68,7 @@ def write_model(folder: Path, name: str, *, holds: bool = True, n_rows: int = 3)
     return ModelFiles(
         certificate=folder / "certificate.json",
         facts=folder / "mesh.json",
-        record=folder / "ingest.json",
+        geometry=str(geometry),
         figures=[folder / "a picture#1.png"],
         links={"mesh & more": folder / "mesh.json"},
         **{title: folder / f"{title}.csv" for title in tables},
@@ -111,6 +112,7 @@ def test_what_it_shows(overview, tmp_path):
     )
     files = write_model(tmp_path / "results/ring", "ring")
     _, parts = overview(files, register=register)
+    assert hashlib.sha256(b"solid").hexdigest() in parts.text
     for text in (
         "1 of 1 models",
         "Betti numbers (1, 2, 0)",
@@ -139,8 +141,9 @@ def test_links_are_relative_and_lead_to_files(overview, tmp_path):
 
 def test_names_and_texts_are_escaped(overview, tmp_path):
     _, parts = overview(write_model(tmp_path / "results/ring", NASTY))
-    assert "script" not in parts.tags
-    assert parts.text.count(NASTY) >= 7
+    assert not {"script", "b"} & set(parts.tags)
+    assert "<b>'&.stl" in parts.text
+    assert parts.text.count(NASTY) >= 6
 
 
 def test_failures_are_counted_and_named(overview, tmp_path):

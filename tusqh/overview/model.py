@@ -10,6 +10,8 @@ from typing import Any
 
 import pandas as pd
 
+from tusqh.geometry.files import locate
+from tusqh.provenance.hashing import hash_file
 from tusqh.quality.verdict import overall
 
 #: Columns of the register that say where a geometry comes from.
@@ -24,23 +26,23 @@ class ModelFiles:
 
     Parameters
     ----------
+    geometry
+        The geometry, as the configuration names it.
     certificate, facts, defects, candidates, verdict, verification
         What the steps of the workflow wrote.
-    record
-        The record of ingestion, with the digest of the geometry.
     figures
         Pictures, in the order in which they are shown.
     links
         Other files to link to, by title.
     """
 
+    geometry: str
     certificate: Path
     facts: Path
     defects: Path
     candidates: Path
     verdict: Path
     verification: Path
-    record: Path
     figures: Sequence[Path] = ()
     links: Mapping[str, Path] | None = None
 
@@ -107,7 +109,7 @@ def read_model(files: ModelFiles, register: pd.DataFrame | None = None) -> Model
         name=certificate["model"],
         holds=is_suitable and n_holding == len(verification) and bool(certificate["holds"]),
         lines=lines,
-        source=_describe_source(certificate, files.record, register),
+        source=_describe_source(certificate, files.geometry, register),
         tables={
             "Defects of the geometry": pd.read_csv(files.defects),
             "Intervals with what was wanted": pd.read_csv(files.candidates),
@@ -120,14 +122,13 @@ def read_model(files: ModelFiles, register: pd.DataFrame | None = None) -> Model
 
 
 def _describe_source(
-    certificate: dict[str, Any], record: Path, register: pd.DataFrame | None
+    certificate: dict[str, Any], geometry: str, register: pd.DataFrame | None
 ) -> dict[str, str]:
     """Return where a model comes from, and the digests of what was made of it."""
-    inputs = json.loads(record.read_text("utf-8"))["inputs"]
-    source = {f"SHA-256 of {entry['path']}": entry["sha256"] for entry in inputs}
+    source = {"geometry": geometry, "SHA-256 of the geometry": hash_file(locate(geometry))}
     if register is not None:
         for row in register[register["model"] == certificate["model"]].to_dict("records"):
-            source |= {"file": str(row["file"]), "SHA-256 in the register": str(row["sha256"])}
+            source |= {"SHA-256 in the register": str(row["sha256"])}
             titles = {key: key.replace("_", " ") for key in _ORIGIN}
             source |= {titles[key]: str(row[key]) for key in _ORIGIN if pd.notna(row[key])}
     source |= {

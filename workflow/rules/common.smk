@@ -1,5 +1,4 @@
 # The validated configuration and the few functions that read it; no other file does.
-import os
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
@@ -47,7 +46,8 @@ if describe_missing():
     logger.warning(describe_missing())
 
 MODELS = SETTINGS["models"]
-DIMENSION = {name: dimension_of(model["geometry"]) for name, model in MODELS.items()}
+GEOMETRY = {name: model["geometry"] for name, model in MODELS.items()}
+DIMENSION = {name: dimension_of(geometry) for name, geometry in GEOMETRY.items()}
 SWEEP = {2: SETTINGS["sweep"], 3: SETTINGS["sweep_3d"]}
 SNAPSHOTS = sorted(SETTINGS["snapshots"])
 SNAPSHOT_FILES = [f"concentration_{step:05d}.vtu" for step in SNAPSHOTS]
@@ -92,6 +92,6 @@ def register_if_there():
 
 
 def captions():
-    """Return the texts of figures, relative to where the workflow runs."""
+    """Return the texts of figures by name, as Snakemake's own report has them."""
     folder = Path(workflow.basedir) / "workflow/report"
-    return sorted(os.path.relpath(path) for path in folder.glob("*.rst"))
+    return {path.stem: path.read_text().strip() for path in sorted(folder.glob("*.rst"))}
