@@ -102,6 +102,10 @@ def test_arrays_in_the_plane_are_an_outline():
     assert result.report.measured == (1, 1, 0)
     assert result.mesh.to_mfem().Dimension() == 2
     assert result.mesh.to_meshio().cells[0].type == "quad"
+    defects = result.defects.set_index("defect")
+    assert defects["count"]["open_chains"] == 1
+    # One side of the outer square is missing: around it the winding number is below 1.
+    assert 0.5 < defects["length_or_width"]["winding_number_max"] <= 1
 
 
 def test_the_workflow_gives_the_same_files(repository, tmp_path, torus):

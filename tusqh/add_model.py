@@ -25,7 +25,7 @@ SCHEMA = Path("workflow/schemas/config.schema.yaml")
 _NO_DEFECTS = {
     *("triangles", "parts", "shells", "segments", "chains", "closed_chains", "points"),
     *("counter_clockwise_chains", "clockwise_chains", "signed_area", "signed_volume"),
-    *("winding_number_min", "winding_number_max"),
+    *("winding_number_min", "winding_number_max", "cap"),
     *("voxels", "material_voxels", "partial_voxels"),
 }
 

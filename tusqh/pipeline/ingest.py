@@ -75,12 +75,13 @@ def ingest(
 
 def describe(geometry: Geometry) -> pd.DataFrame:
     """Return the defects of a geometry, one row each, the range of the winding number included."""
-    if isinstance(geometry, Outline):
-        return describe_defects(geometry)
     if isinstance(geometry, Image):
         return describe_voxels(geometry)
-    tables = [describe_surface_defects(geometry), describe_winding(geometry)]
-    return pd.concat(tables, ignore_index=True)
+    winding = describe_winding(geometry)
+    if isinstance(geometry, Outline):
+        winding = winding.rename(columns={"measure": "length_or_width"})
+        return pd.concat([describe_defects(geometry), winding], ignore_index=True)
+    return pd.concat([describe_surface_defects(geometry), winding], ignore_index=True)
 
 
 def _is_of(library: str, kinds: tuple[str, ...], source: object) -> bool:

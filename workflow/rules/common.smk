@@ -19,6 +19,7 @@ THEORY = expand(
     + ["theorem_map", "theorem_windows", "theorem_space", "two_triangles", "wedge_islands"],
 ) + ["results/tables/theorem_contradictions.csv", "results/tables/gap_meshes.csv"]
 PAGE_LINKS = {
+    "explorer": "explorer.html",
     "mesh (VTU)": "mesh.vtu",
     "for MFEM": "export/mesh.mesh",
     "for Gmsh": "export/mesh.msh",
