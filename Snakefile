@@ -24,6 +24,7 @@ rule all:
         expand("results/{model}/defects.csv", model=MODELS),
         expand("results/{model}/explorer.html", model=MODELS),
         "results/report/index.html",
+        page_and_studies(),
 
 
 include: "workflow/rules/ingest.smk"
@@ -37,3 +38,4 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/theory.smk"
 include: "workflow/rules/explorer.smk"
 include: "workflow/rules/overview.smk"
+include: "workflow/rules/results.smk"

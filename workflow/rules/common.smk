@@ -8,6 +8,7 @@ from tusqh.config import load_config
 from tusqh.errors import TusqhError
 from tusqh.geometry.files import PACKAGE, dimension_of
 from tusqh.quality.system_libraries import describe_missing
+from tusqh.report import picture_name
 
 ENVIRONMENT = "../../environment.yml"
 FIGURES = {
@@ -32,6 +33,7 @@ PAGE_LINKS = {
     "removed and filled": "features.csv",
     "simulation (ParaView)": "simulation/concentration.pvd",
 }
+PAPER_MODELS = {"chesapeake", "bearings", "dragon"}
 EXPORTS = ["mesh.mesh", "mesh.msh", "mesh.exo", "mesh.inp"]
 
 try:
@@ -71,6 +73,11 @@ def geometry_of(wildcards):
     return [] if geometry.startswith(PACKAGE) else geometry
 
 
+def source_of(path):
+    """Return a file of the workflow, relative to where it runs, so that records are the same."""
+    return os.path.relpath(Path(workflow.basedir) / "workflow" / path)
+
+
 def any_of(dimension):
     """Return the pattern of the models of a dimension."""
     return "|".join(m for m, d in DIMENSION.items() if d == dimension) or "(?!)"
@@ -95,3 +102,8 @@ def captions():
     """Return the texts of figures, relative to where the workflow runs."""
     folder = Path(workflow.basedir) / "workflow/report"
     return sorted(os.path.relpath(path) for path in folder.glob("*.rst"))
+
+
+def page_and_studies():
+    """Return the paper's page, and with it all studies, where its models are configured."""
+    return ["results/page/results.md"] if PAPER_MODELS <= set(MODELS) else []

@@ -1,0 +1,46 @@
+# docs/results.md: the paper's figures and claims beside ours.  Its text is in ../report/results.
+PAGE_TABLES = [
+    "results/tables/summary.csv",
+    "results/tables/verification.csv",
+]
+PAGE_FIGURES = [
+    "results/chesapeake/figures/thresholds.png",
+]
+PAGE_PICTURES = [picture_name(figure) for figure in PAGE_FIGURES]
+
+
+rule results_page:
+    input:
+        template=source_of("report/results.md.j2"),
+        sections=expand(source_of("report/results/{section}.md.j2"), section=["models", "theory", "limits"]),
+        tables=PAGE_TABLES,
+        figures=PAGE_FIGURES,
+    output:
+        page="results/page/results.md",
+        pictures=expand("results/page/images/results/{picture}", picture=PAGE_PICTURES),
+        record="results/provenance/results_page.json",
+        record_how="results/provenance/results_page.how.json",
+    log:
+        "results/page/logs/results_page.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/results_page.py"
+
+
+# Not part of `all`: other configurations leave the committed page alone.
+rule docs:
+    input:
+        page="results/page/results.md",
+        pictures=expand("results/page/images/results/{picture}", picture=PAGE_PICTURES),
+    output:
+        page="docs/results.md",
+        pictures=expand("docs/images/results/{picture}", picture=PAGE_PICTURES),
+        record="results/provenance/docs.json",
+        record_how="results/provenance/docs.how.json",
+    log:
+        "results/page/logs/docs.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/docs.py"
