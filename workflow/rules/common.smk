@@ -12,8 +12,8 @@ from tusqh.report import picture_name
 
 ENVIRONMENT = "../../environment.yml"
 FIGURES = {
-    2: ["thresholds", "diagram", "antialias", "contaminant"],
-    3: ["panels", "diagram", "temperature"],
+    2: ["thresholds", "diagram", "curves", "antialias", "contaminant"],
+    3: ["panels", "diagram", "curves", "temperature"],
 }
 THEORY = expand(
     "results/figures/{figure}.png",

@@ -34,6 +34,23 @@ rule figure_diagram:
         "../scripts/figure_diagram.py"
 
 
+rule figure_curves:
+    input:
+        plateaus="results/{model}/plateaus.csv",
+        topologies="results/{model}/topologies.csv",
+        threshold="results/{model}/threshold.json",
+    output:
+        figure=report("results/{model}/figures/curves.png", "../report/curves.rst", category="{model}"),
+        record="results/provenance/{model}/figure_curves.json",
+        record_how="results/provenance/{model}/figure_curves.how.json",
+    log:
+        "results/{model}/logs/figure_curves.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/figure_curves.py"
+
+
 rule figure_antialias:
     input:
         fractions="results/{model}/fractions.npz",
