@@ -51,6 +51,7 @@ if describe_missing():
 MODELS = SETTINGS["models"]
 DIMENSION = {name: dimension_of(model["geometry"]) for name, model in MODELS.items()}
 SWEEP = {2: SETTINGS["sweep"], 3: SETTINGS["sweep_3d"]}
+STUDY = SETTINGS["study"]
 SNAPSHOTS = sorted(SETTINGS["snapshots"])
 SNAPSHOT_FILES = [f"concentration_{step:05d}.vtu" for step in SNAPSHOTS]
 
