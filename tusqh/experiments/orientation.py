@@ -93,7 +93,8 @@ def vary_placement(
 def keeps_all(policy: Policy) -> bool:
     """Return whether a policy removes and fills nothing.
 
-    >>> keeps_all(Policy()), keeps_all(Policy(components=Criteria(min_cells=2)))
+    >>> some = Policy.from_settings({"components": {"min_cells": 2}})
+    >>> keeps_all(Policy()), keeps_all(some)
     (True, False)
     """
     return all(c.keeps_all for c in (policy.components, policy.holes, policy.voids))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -28,26 +30,32 @@ def draw_stability(stability: pd.DataFrame, *, threshold: float, name: str) -> F
     figure, axes = style.new_figure(
         1, 2, width=3.2 + 2.0 * len(cells), height=0.36 * len(thresholds) + 2.2
     )
-    image = None
+    image: Any = None
     for panel, scheme in zip(axes[0], (RAW, POLICY), strict=True):
         of_scheme = stability[stability["scheme"] == scheme]
-        shares = of_scheme.pivot(index="threshold", columns="cells", values="agreement")
         image = panel.imshow(
-            shares.to_numpy(), vmin=0, vmax=1, cmap="viridis", origin="lower", aspect="auto"
+            of_scheme.pivot(index="threshold", columns="cells", values="agreement").to_numpy(),
+            vmin=0,
+            vmax=1,
+            cmap="viridis",
+            origin="lower",
+            aspect="auto",
         )
-        for row in of_scheme.itertuples():
-            x, y = np.searchsorted(cells, row.cells), np.searchsorted(thresholds, row.threshold)
-            numbers = [row.betti_0, row.betti_1] + [row.betti_2] * has_voids
+        column = np.searchsorted(cells, of_scheme["cells"].to_numpy())
+        level = np.searchsorted(thresholds, of_scheme["threshold"].to_numpy())
+        numbers = of_scheme[["betti_0", "betti_1", "betti_2"]].to_numpy()[:, : 2 + has_voids]
+        shares = of_scheme["agreement"].to_numpy()
+        for x, y, betti, share in zip(column, level, numbers, shares, strict=True):
             panel.text(
                 x,
                 y,
-                ", ".join(map(str, numbers)),
+                ", ".join(map(str, betti)),
                 ha="center",
                 va="center",
                 fontsize=7,
-                color="black" if float(str(row.agreement)) > 0.6 else "white",
+                color="black" if share > 0.6 else "white",
             )
-            if float(str(row.agreement)) >= ROBUST:
+            if share >= ROBUST:
                 box = Rectangle((x - 0.47, y - 0.45), 0.94, 0.9, fill=False, linewidth=1.4)
                 box.set_edgecolor(style.CONNECTING)
                 panel.add_patch(box)
@@ -59,6 +67,6 @@ def draw_stability(stability: pd.DataFrame, *, threshold: float, name: str) -> F
     axes[0, 0].set_ylabel("volume-fraction threshold [-] (*: chosen)")
     bar = figure.colorbar(image, ax=axes, shrink=0.9)
     bar.set_label("share of placements with the\nmost frequent Betti numbers [-]")
-    numbers = r"$\beta_0$, $\beta_1$" + (r", $\beta_2$" if has_voids else "")
-    figure.suptitle(f"{name}: most frequent {numbers} over random placements; framed: robust")
+    names = r"$\beta_0$, $\beta_1$" + (r", $\beta_2$" if has_voids else "")
+    figure.suptitle(f"{name}: most frequent {names} over random placements; framed: robust")
     return figure

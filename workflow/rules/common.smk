@@ -34,6 +34,7 @@ PAGE_LINKS = {
     "simulation (ParaView)": "simulation/concentration.pvd",
 }
 PAPER_MODELS = {"chesapeake", "bearings", "dragon"}
+PEERS = ["tusqh", "automesh", "pytetwild", "pyvista", "trimesh"]
 EXPORTS = ["mesh.mesh", "mesh.msh", "mesh.exo", "mesh.inp"]
 
 try:
@@ -50,6 +51,7 @@ if describe_missing():
 
 MODELS = SETTINGS["models"]
 DIMENSION = {name: dimension_of(model["geometry"]) for name, model in MODELS.items()}
+SOLIDS = [name for name, dimension in DIMENSION.items() if dimension == 3]
 SWEEP = {2: SETTINGS["sweep"], 3: SETTINGS["sweep_3d"]}
 STUDY = SETTINGS["study"]
 SNAPSHOTS = sorted(SETTINGS["snapshots"])
@@ -57,6 +59,7 @@ SNAPSHOT_FILES = [f"concentration_{step:05d}.vtu" for step in SNAPSHOTS]
 
 wildcard_constraints:
     model="|".join(MODELS),
+    peer="|".join(PEERS),
 
 
 def of_model(*keys):
