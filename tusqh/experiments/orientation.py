@@ -9,22 +9,29 @@ import numpy as np
 import pandas as pd
 
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Policy
+from tusqh.antialias.pinches import find_pinches
+from tusqh.antialias.policy import MixedPinches, Policy
 from tusqh.experiments.placements import lay_grids, random_placements
 from tusqh.experiments.suitability import betti_of_cells
 from tusqh.grid import BoolArray, FloatArray
 from tusqh.sampling.fractions import Geometry
 from tusqh.threshold.goals import Target, matches
 from tusqh.topology.betti_numbers import BettiNumbers
+from tusqh.topology.effective import effective_betti
 
 BETTI = ["betti_0", "betti_1", "betti_2"]
 
-#: Cells as they are; pinches and archipelagos decided by sub-cells; and small features gone too.
-RAW, SUB_CELLS, POLICY = "raw cells", "sub-cells", "tusqh"
-SCHEMES = (RAW, SUB_CELLS, POLICY)
+#: Kept cells as they are, taken to hang together where they touch, or only where they share a
+#: facet; pinches and archipelagos decided by sub-cells, by what happens to mixed clusters of
+#: pinches; and the model's own policy, which may remove small features too.
+TOUCHING, BY_FACETS = "raw cells", "raw cells, by facets"
+MIXED: tuple[MixedPinches, ...] = ("separate", "majority", "connect")
+SEPARATE, MAJORITY, CONNECT = (f"sub-cells, {mixed}" for mixed in MIXED)
+POLICY = "tusqh, as configured"
+SCHEMES = (TOUCHING, BY_FACETS, SEPARATE, MAJORITY, CONNECT, POLICY)
 
 #: Thresholds that are looked at besides the model's own.
-THRESHOLDS = tuple(k / 10 for k in range(1, 10))
+THRESHOLDS = (0.1, 0.3, 0.5, 0.7, 0.9)
 
 #: A topology is robust where so many placements have it at one threshold, and an accident of the
 #: grid where nowhere more than so few do.
@@ -72,22 +79,39 @@ def vary_placement(
         One row per `placement`, `cells`, `threshold` and `scheme`: `betti_0`, `betti_1`,
         `betti_2` as predicted for the mesh.
     """
-    without_criteria = Policy(policy.mixed_pinches, policy.bridges)
     placements = random_placements(len(geometry.bounding_box()[0]), count, seed=seed)
     rows: list[tuple[Any, ...]] = []
     for number, placement in enumerate(placements):
         for size, fractions in lay_grids(geometry, placement, sizes, **sampling):
-            plain, full = CellSets(fractions, without_criteria), CellSets(fractions, policy)
+            sets = {m: CellSets(fractions, Policy(m, policy.bridges)) for m in MIXED}
+            configured = CellSets(fractions, policy)
             for threshold in thresholds:
-                at = (number, size, threshold)
-                decided = plain.at(threshold).predicted
-                rows.append((*at, RAW, *betti_of_cells(fractions.cells >= threshold)))
-                rows.append((*at, SUB_CELLS, *decided))
-                dropped = decided if keeps_all(policy) else full.at(threshold).predicted
-                rows.append((*at, POLICY, *dropped))
+                found = _predict(sets, configured, threshold)
+                rows += [(number, size, threshold, s, *found[s]) for s in SCHEMES]
         if progress is not None:
             progress(number + 1, count)
     return pd.DataFrame(rows, columns=["placement", "cells", "threshold", "scheme", *BETTI])
+
+
+def _predict(
+    sets: Mapping[MixedPinches, CellSets], configured: CellSets, threshold: float
+) -> dict[str, BettiNumbers]:
+    """Return the Betti numbers of every scheme; what cannot differ is not counted again."""
+    kept = configured.fractions.cells >= threshold
+    pinches = find_pinches(kept)
+    separated = sets["separate"].at(threshold)
+    decided = {"separate": separated.predicted}
+    for mixed in MIXED[1:]:
+        is_same = separated.decisions.n_overruled_clusters == 0
+        decided[mixed] = decided["separate"] if is_same else sets[mixed].at(threshold).predicted
+    policy = configured.policy
+    is_plain = keeps_all(policy)
+    return {
+        TOUCHING: betti_of_cells(kept),
+        BY_FACETS: effective_betti(kept, np.zeros_like(pinches), pinches),
+        **{f"sub-cells, {mixed}": decided[mixed] for mixed in MIXED},
+        POLICY: decided[policy.mixed_pinches] if is_plain else configured.at(threshold).predicted,
+    }
 
 
 def keeps_all(policy: Policy) -> bool:
@@ -123,7 +147,7 @@ def measure_spread(
     Returns
     -------
     spread
-        One row per `cells`, `threshold` and anti-aliased `scheme`: `raw_spread`, `spread`,
+        One row per `cells`, `threshold` and `scheme` but the first: `raw_spread`, `spread`,
         `shrinks`, the share by which it is smaller than the raw one, with the ends `low` and
         `high` of its 95 % interval (missing where nothing spreads); and for the raw cells and
         the scheme the number of different `topologies`, the share of placements that have the
@@ -134,8 +158,8 @@ def measure_spread(
     for (cells, threshold), group in table.groupby(["cells", "threshold"], sort=True):
         numbers = _by_scheme(group)
         described = {scheme: _describe(numbers[scheme], target) for scheme in SCHEMES}
-        for scheme in (SUB_CELLS, POLICY):
-            shrinks, drawn = _shrinkage(numbers[RAW], numbers[scheme], rng)
+        for scheme in SCHEMES[1:]:
+            shrinks, drawn = _shrinkage(numbers[TOUCHING], numbers[scheme], rng)
             low, high = _interval(drawn)
             rows.append(
                 {
@@ -143,12 +167,12 @@ def measure_spread(
                     "cells": cells,
                     "threshold": threshold,
                     "scheme": scheme,
-                    "raw_spread": float(spread_of(numbers[RAW])),
+                    "raw_spread": float(spread_of(numbers[TOUCHING])),
                     "spread": float(spread_of(numbers[scheme])),
                     "shrinks": shrinks,
                     "low": low,
                     "high": high,
-                    **{f"raw_{key}": found for key, found in described[RAW].items()},
+                    **{f"raw_{key}": found for key, found in described[TOUCHING].items()},
                     **described[scheme],
                 }
             )
@@ -172,7 +196,7 @@ def pool_spreads(
     Returns
     -------
     pooled
-        One row per rank of the grid size (1 is the coarsest) and anti-aliased scheme: over how
+        One row per rank of the grid size (1 is the coarsest) and scheme but the first: over how
         many models (`models`) that spread at all, the mean of `shrinks`, and the ends `low` and
         `high` of its 95 % interval, drawn over the placements of every model.
     """
@@ -182,17 +206,18 @@ def pool_spreads(
         at = table[table["threshold"] == thresholds[name]]
         for rank, (_, group) in enumerate(at.groupby("cells", sort=True), start=1):
             numbers = _by_scheme(group)
-            for scheme in (SUB_CELLS, POLICY):
-                shrinkage = _shrinkage(numbers[RAW], numbers[scheme], rng)
+            for scheme in SCHEMES[1:]:
+                shrinkage = _shrinkage(numbers[TOUCHING], numbers[scheme], rng)
                 if not np.isnan(shrinkage[0]):
                     found.setdefault((rank, scheme), []).append(shrinkage)
     rows = []
-    for (rank, scheme), of_models in sorted(found.items()):
+    for (rank, scheme), of_models in found.items():
         low, high = _interval(np.nanmean([drawn for _, drawn in of_models], axis=0))
         mean = float(np.mean([value for value, _ in of_models]))
         row = {"grid_rank": rank, "scheme": scheme, "models": len(of_models)}
         rows.append({**row, "shrinks": mean, "low": low, "high": high})
-    return pd.DataFrame(rows).round(dict.fromkeys(_ROUNDED, 6))
+    pooled = pd.DataFrame(rows).sort_values("grid_rank", kind="stable")
+    return pooled.round(dict.fromkeys(_ROUNDED, 6))
 
 
 def spread_of(numbers: FloatArray) -> FloatArray:

@@ -24,6 +24,10 @@ FINISHED, MISSING = "finished", "not installed"
 #: Significant digits that are kept; fTetWild makes another mesh every time.
 _DIGITS = {"pytetwild": 1}
 
+#: Where the process looks for modules: a folder for tests to put a peer in, and this package.
+_FIRST_ON_PATH = ""
+_PROJECT = str(Path(tusqh.__file__).parent.parent)
+
 #: Columns of the table of peers, in their order.
 COLUMNS = ["model", "peer", "status", "kind", "manifold", "betti_0", "betti_1", "betti_2"]
 COLUMNS += ["volume_error", "worst_scaled_jacobian"]
@@ -116,7 +120,7 @@ def _run_apart(
                 text=True,
                 timeout=seconds,
                 cwd=folder,  # fTetWild leaves files where it runs.
-                env={**os.environ, "PYTHONPATH": str(Path(tusqh.__file__).parent.parent)},
+                env={**os.environ, "PYTHONPATH": f"{_FIRST_ON_PATH}{os.pathsep}{_PROJECT}"},
             )
         except subprocess.TimeoutExpired:
             return f"not finished in {seconds:g} s", None

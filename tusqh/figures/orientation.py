@@ -6,14 +6,15 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from tusqh.experiments.orientation import POLICY, SUB_CELLS
+from tusqh.experiments.orientation import MAJORITY, POLICY, SEPARATE
 from tusqh.figures import style
 
-_LOOKS = {SUB_CELLS: (style.INTERIOR_VERTEX, "o"), POLICY: (style.CONNECTING, "D")}
-_NAMES = {
-    SUB_CELLS: "pinches and archipelagos by sub-cells",
-    POLICY: "and small features removed, as configured",
+_LOOKS = {
+    SEPARATE: (style.SEPARATING, "s"),
+    MAJORITY: (style.INTERIOR_VERTEX, "o"),
+    POLICY: (style.CONNECTING, "D"),
 }
+_SHIFTS = (-0.1, 0.1, 0.3)
 
 
 def draw_orientation(spread: pd.DataFrame, pooled: pd.DataFrame) -> Figure:
@@ -35,10 +36,10 @@ def draw_orientation(spread: pd.DataFrame, pooled: pd.DataFrame) -> Figure:
     at = np.arange(len(models))
     for panel, column in ((axes[0, 0], "spread"), (axes[0, 2], "agreement")):
         raw = chosen[chosen["scheme"] == POLICY].set_index("model").loc[models, f"raw_{column}"]
-        panel.plot(raw, at - 0.22, "o", color=style.OUTLINE, label="kept cells as they are")
-    for shift, (scheme, (colour, marker)) in zip((0.0, 0.22), _LOOKS.items(), strict=True):
+        panel.plot(raw, at - 0.3, "o", color=style.OUTLINE, label="raw cells")
+    for shift, (scheme, (colour, marker)) in zip(_SHIFTS, _LOOKS.items(), strict=True):
         of_scheme = chosen[chosen["scheme"] == scheme].set_index("model").loc[models]
-        look = {"ls": "", "marker": marker, "color": colour, "label": _NAMES[scheme]}
+        look = {"ls": "", "marker": marker, "color": colour, "label": scheme}
         axes[0, 0].plot(of_scheme["spread"], at + shift, **look)
         axes[0, 2].plot(of_scheme["agreement"], at + shift, **look)
         last = pooled[pooled["scheme"] == scheme].sort_values("grid_rank").iloc[-1]
@@ -66,7 +67,7 @@ def draw_orientation(spread: pd.DataFrame, pooled: pd.DataFrame) -> Figure:
         panel.set_ylim(len(models) + 0.5, -0.5)
         panel.grid(visible=True, linewidth=0.3)
     handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
     cells = " or ".join(str(n) for n in sorted(chosen["cells"].unique()))
     figure.suptitle(f"Betti numbers over random orientations and offsets, {cells} cells")
     return figure

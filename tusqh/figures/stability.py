@@ -9,12 +9,14 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from tusqh.experiments.orientation import POLICY, RAW, ROBUST
+from tusqh.experiments.orientation import MAJORITY, POLICY, ROBUST, TOUCHING
 from tusqh.figures import style
 
 
 def draw_stability(stability: pd.DataFrame, *, threshold: float, name: str) -> Figure:
-    """Return a map of the most frequent topology of raw cells, and one of our meshes.
+    """Return a map of the most frequent topology of raw cells, and two of our meshes.
+
+    Mixed clusters of pinches follow their majority in the one, and the configuration in the other.
 
     Parameters
     ----------
@@ -28,10 +30,10 @@ def draw_stability(stability: pd.DataFrame, *, threshold: float, name: str) -> F
     cells, thresholds = (np.sort(stability[key].unique()) for key in ("cells", "threshold"))
     has_voids = bool(stability["betti_2"].any())
     figure, axes = style.new_figure(
-        1, 2, width=3.2 + 2.0 * len(cells), height=0.36 * len(thresholds) + 2.2
+        1, 3, width=3.2 + 3.0 * len(cells), height=0.4 * len(thresholds) + 2.0
     )
     image: Any = None
-    for panel, scheme in zip(axes[0], (RAW, POLICY), strict=True):
+    for panel, scheme in zip(axes[0], (TOUCHING, MAJORITY, POLICY), strict=True):
         of_scheme = stability[stability["scheme"] == scheme]
         image = panel.imshow(
             of_scheme.pivot(index="threshold", columns="cells", values="agreement").to_numpy(),
@@ -63,7 +65,7 @@ def draw_stability(stability: pd.DataFrame, *, threshold: float, name: str) -> F
         panel.set_yticks(np.arange(len(thresholds)), labels)
         panel.set_xticks(np.arange(len(cells)), cells)
         panel.set_xlabel("cells along the longest side [-]")
-        panel.set_title({RAW: "kept cells as they are", POLICY: "tusqh"}[scheme])
+        panel.set_title(scheme)
     axes[0, 0].set_ylabel("volume-fraction threshold [-] (*: chosen)")
     bar = figure.colorbar(image, ax=axes, shrink=0.9)
     bar.set_label("share of placements with the\nmost frequent Betti numbers [-]")
