@@ -12,7 +12,7 @@ from tusqh.report import picture_name
 
 ENVIRONMENT = "../../environment.yml"
 FIGURES = {
-    2: ["thresholds", "diagram", "curves", "antialias", "contaminant"],
+    2: ["field", "thresholds", "diagram", "curves", "antialias", "contaminant"],
     3: ["panels", "diagram", "curves", "temperature"],
 }
 THEORY = expand(

@@ -51,6 +51,24 @@ rule figure_curves:
         "../scripts/figure_curves.py"
 
 
+rule figure_field:
+    input:
+        geometry="results/{model}/geometry.vtp",
+        fractions="results/{model}/fractions.npz",
+    output:
+        figure=report("results/{model}/figures/field.png", "../report/field.rst", category="{model}"),
+        record="results/provenance/{model}/figure_field.json",
+        record_how="results/provenance/{model}/figure_field.how.json",
+    params:
+        drawing=of_model("unit"),
+    log:
+        "results/{model}/logs/figure_field.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/figure_field.py"
+
+
 rule figure_antialias:
     input:
         fractions="results/{model}/fractions.npz",
@@ -119,3 +137,29 @@ rule figure_temperature:
         ENVIRONMENT
     script:
         "../scripts/figure_temperature.py"
+
+
+rule figure_pinches:
+    output:
+        figure=report("results/figures/pinches.png", "../report/pinches.rst", category="Figures"),
+        record="results/provenance/figure_pinches.json",
+        record_how="results/provenance/figure_pinches.how.json",
+    log:
+        "results/figures/logs/pinches.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/figure_pinches.py"
+
+
+rule figure_method:
+    output:
+        figure=report("results/figures/method.png", "../report/method.rst", category="Figures"),
+        record="results/provenance/figure_method.json",
+        record_how="results/provenance/figure_method.how.json",
+    log:
+        "results/figures/logs/method.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/figure_method.py"
