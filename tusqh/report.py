@@ -1,10 +1,11 @@
 """Pages made of tables and figures: the text is a template, the numbers come from the tables.
 
-A template is Jinja2 text.  It gets three functions, and can use only what the page was given::
+A template is Jinja2 text.  What it gets can use only what the page was given::
 
     {{ value("results/tables/summary.csv", "elements", "model == 'bearings'") }}
     {{ table("results/tables/summary.csv", columns=["model", "verdict"], rows="cells > 100") }}
     {{ figure("results/bearings/figures/panels.png", "Meshes of the bearing.") }}
+    {{ link("results/bearings/figures/panels.png") }}
 """
 
 from __future__ import annotations
@@ -75,6 +76,11 @@ def render_page(
         shown.add(path)
         return f"![{caption}]({pictures}/{picture_name(path)})\n\n*{caption}*"
 
+    def link(path: str) -> str:
+        if path in allowed:
+            return f"[`{path}`]({pictures}/{picture_name(path)})"
+        return f"`{path}`"
+
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(template.parent),
         undefined=jinja2.StrictUndefined,
@@ -85,10 +91,12 @@ def render_page(
     )
     functions: dict[str, Callable[..., Any]] = {
         "figure": figure,
+        "link": link,
         "table": lambda path, **how: _to_markdown(_rows(given, path, template, **how)),
         "value": lambda path, column, rows=None: _one(
             _rows(given, path, template, columns=[column], rows=rows), path, template
         ),
+        "count": lambda path, rows=None: len(_rows(given, path, template, rows=rows)),
         "rows": lambda path, **how: _rows(given, path, template, **how).to_dict("records"),
         "has": lambda path: path in given or path in allowed,
     }

@@ -25,12 +25,12 @@ def draw_orientation(spread: pd.DataFrame, pooled: pd.DataFrame) -> Figure:
     Parameters
     ----------
     spread
-        See `tusqh.experiments.orientation.measure_spread`, with the column is_chosen.
+        See `tusqh.experiments.orientation.measure_spread`, with the columns is_chosen and
+        is_finest.
     pooled
         See `tusqh.experiments.orientation.pool_spreads`.
     """
-    chosen = spread[spread["is_chosen"]]
-    chosen = chosen[chosen["cells"] == chosen.groupby("model")["cells"].transform("max")]
+    chosen = spread[spread["is_chosen"] & spread["is_finest"]]
     models = list(dict.fromkeys(chosen["model"]))
     figure, axes = style.new_figure(1, 3, width=13.0, height=0.36 * len(models) + 2.2)
     at = np.arange(len(models))

@@ -110,4 +110,6 @@ def captions():
 
 def page_and_studies():
     """Return the paper's page, and with it all studies, where its models are configured."""
-    return ["results/page/results.md"] if PAPER_MODELS <= set(MODELS) else []
+    if not PAPER_MODELS <= set(MODELS):
+        return []
+    return ["results/page/results.md", *expand("results/{model}/figures/stability.png", model=MODELS)]

@@ -1,10 +1,19 @@
 # docs/results.md: the paper's figures and claims beside ours.  Its text is in ../report/results.
+PAGE_SECTIONS = ["models", "theory", "studies", "limits", "figures"]
 PAGE_TABLES = [
     "results/tables/summary.csv",
     "results/tables/verification.csv",
+    "results/tables/orientation.csv",
+    "results/tables/orientation_pooled.csv",
+    "results/tables/recommended_grids.csv",
+    "results/tables/suitability_summary.csv",
+    "results/tables/peers_summary.csv",
 ]
 PAGE_FIGURES = [
-    "results/chesapeake/figures/thresholds.png",
+    *expand("results/chesapeake/figures/{figure}.png", figure=FIGURES[2]),
+    *expand("results/{model}/figures/{figure}.png", model=["bearings", "dragon"], figure=["panels", "diagram", "curves"]),
+    *expand("results/{model}/figures/stability.png", model=["chesapeake", "bearings", "dragon"]),
+    *expand("results/figures/{figure}.png", figure=["method", "pinches", "orientation", "suitability", "peers"]),
 ]
 PAGE_PICTURES = [picture_name(figure) for figure in PAGE_FIGURES]
 
@@ -12,7 +21,7 @@ PAGE_PICTURES = [picture_name(figure) for figure in PAGE_FIGURES]
 rule results_page:
     input:
         template=source_of("report/results.md.j2"),
-        sections=expand(source_of("report/results/{section}.md.j2"), section=["models", "theory", "limits"]),
+        sections=expand(source_of("report/results/{section}.md.j2"), section=PAGE_SECTIONS),
         tables=PAGE_TABLES,
         figures=PAGE_FIGURES,
     output:

@@ -14,6 +14,8 @@ with recorded(snakemake) as log:
     tables = dict(zip(models, map(pd.read_csv, snakemake.input.placements), strict=True))
     spread = pd.concat(map(pd.read_csv, snakemake.input.spreads), ignore_index=True)
     spread.insert(3, "is_chosen", spread["threshold"] == spread["model"].map(thresholds))
+    finest = spread.groupby("model")["cells"].transform("max")
+    spread.insert(4, "is_finest", spread["cells"] == finest)
     write_csv(Path(snakemake.output.spread), spread)
     write_csv(Path(snakemake.output.pooled), pool_spreads(tables, thresholds))
     for kind in ("stability", "recommended"):
