@@ -196,7 +196,7 @@ def pool_spreads(
     Returns
     -------
     pooled
-        One row per rank of the grid size (1 is the coarsest) and scheme but the first: over how
+        One row per rank of the grid size (1 is the finest) and scheme but the first: over how
         many models (`models`) that spread at all, the mean of `shrinks`, and the ends `low` and
         `high` of its 95 % interval, drawn over the placements of every model.
     """
@@ -204,7 +204,7 @@ def pool_spreads(
     found: dict[tuple[int, str], list[tuple[float, FloatArray]]] = {}
     for name, table in tables.items():
         at = table[table["threshold"] == thresholds[name]]
-        for rank, (_, group) in enumerate(at.groupby("cells", sort=True), start=1):
+        for rank, group in enumerate(_from_finest(at), start=1):
             numbers = _by_scheme(group)
             for scheme in SCHEMES[1:]:
                 shrinkage = _shrinkage(numbers[TOUCHING], numbers[scheme], rng)
@@ -322,6 +322,11 @@ def recommend_grid(stability: pd.DataFrame, table: pd.DataFrame) -> pd.DataFrame
             }
         )
     return pd.DataFrame(rows)
+
+
+def _from_finest(table: pd.DataFrame) -> list[pd.DataFrame]:
+    """Return the rows of every grid size, the finest first."""
+    return [group for _, group in table.groupby("cells", sort=True)][::-1]
 
 
 def _by_scheme(group: pd.DataFrame) -> dict[str, FloatArray]:

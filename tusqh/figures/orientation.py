@@ -42,7 +42,7 @@ def draw_orientation(spread: pd.DataFrame, pooled: pd.DataFrame) -> Figure:
         look = {"ls": "", "marker": marker, "color": colour, "label": scheme}
         axes[0, 0].plot(of_scheme["spread"], at + shift, **look)
         axes[0, 2].plot(of_scheme["agreement"], at + shift, **look)
-        last = pooled[pooled["scheme"] == scheme].sort_values("grid_rank").iloc[-1]
+        last = pooled[pooled["scheme"] == scheme].sort_values("grid_rank").iloc[0]
         values = np.append(of_scheme["shrinks"], last["shrinks"])
         ends = np.stack([np.append(of_scheme[end], last[end]) for end in ("low", "high")])
         axes[0, 1].errorbar(
