@@ -104,16 +104,18 @@ def test_every_peer_meshes_a_box(peer):
 def test_a_missing_package_a_crash_an_error_and_a_hang_are_rows(tmp_path, monkeypatch):
     """The process reads a module of the peer's name from the first folder on its path."""
     package = tmp_path / "pytetwild.py"
+    monkeypatch.setattr("tusqh.experiments.peers._PATIENCE", 3)
     monkeypatch.setattr("tusqh.experiments.peers._FIRST_ON_PATH", str(tmp_path))
     outcomes = {
         "raise ModuleNotFoundError('no module pytetwild')": "not installed",
         "import os; os.kill(os.getpid(), 11)": "crashed with signal 11",
         "raise ValueError('no inside')": "failed: ValueError: no inside",
-        "import time; time.sleep(60)": "not finished in 5 s",
+        "while True: pass": "not finished in 4 s",
+        "import time; time.sleep(60)": "not finished in 4 s",
     }
     for text, status in outcomes.items():
         package.write_text(text)
-        row, timing = run("pytetwild", seconds=5)
+        row, timing = run("pytetwild", seconds=4)
         assert row["status"] == timing["status"] == status
         assert row["manifold"] is None
         assert np.isnan(timing["seconds"])

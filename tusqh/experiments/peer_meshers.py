@@ -1,11 +1,12 @@
 """Other programs that make solids of dirty surfaces, each in one function.
 
-Run as ``python -m tusqh.experiments.peer_meshers PEER INPUT.npz OUTPUT.npz``, in a process of its
-own, because some crash or never end; `tusqh.experiments.peers` does that.
+Run as ``python -m tusqh.experiments.peer_meshers PEER INPUT.npz OUTPUT.npz SECONDS``, in a process
+of its own, because some crash or never end; `tusqh.experiments.peers` does that.
 """
 
 from __future__ import annotations
 
+import resource
 import sys
 import tempfile
 import time
@@ -113,20 +114,29 @@ PEERS: dict[str, Callable[[Arrays], Solid]] = {
 }
 
 
-def main(peer: str, source: Path, target: Path) -> int:
-    """Run a peer on arrays in a file and write its points, cells and seconds to another."""
+def main(peer: str, source: Path, target: Path, limit: int) -> int:
+    """Run a peer on arrays in a file and write its points, cells and seconds to another.
+
+    The limit is on processor time, which other work on the machine does not use up.
+    """
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
     with np.load(source) as content:
         given = {key: content[key] for key in content.files}
-    began = time.perf_counter()
+    began, used = time.perf_counter(), time.process_time()
     try:
         points, cells = PEERS[peer](given)
     except ModuleNotFoundError as reason:
         sys.stderr.write(f"{reason}\n")
         return NOT_INSTALLED
-    seconds = time.perf_counter() - began
-    np.savez(target, points=points, cells=np.asarray(cells, dtype=np.int64), seconds=seconds)
+    np.savez(
+        target,
+        points=points,
+        cells=np.asarray(cells, dtype=np.int64),
+        seconds=time.perf_counter() - began,
+        processor_seconds=time.process_time() - used,
+    )
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3])))
+    sys.exit(main(sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3]), int(sys.argv[4])))

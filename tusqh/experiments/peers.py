@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -28,6 +29,11 @@ _DIGITS = {"pytetwild": 1}
 _FIRST_ON_PATH = ""
 _PROJECT = str(Path(tusqh.__file__).parent.parent)
 
+_TIMES = ("seconds", "processor_seconds")
+
+#: Time on the clock per processor time that a process may take: a hang uses none of the latter.
+_PATIENCE = 10
+
 #: Columns of the table of peers, in their order.
 COLUMNS = ["model", "peer", "status", "kind", "manifold", "betti_0", "betti_1", "betti_2"]
 COLUMNS += ["volume_error", "worst_scaled_jacobian"]
@@ -42,7 +48,7 @@ def run_peer(
     *,
     threshold: float,
     is_clamped: bool,
-    seconds: float,
+    seconds: int,
     name: str,
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return what a peer makes of a surface, and how long it took.
@@ -62,7 +68,7 @@ def run_peer(
     is_clamped
         Whether its samples are clipped to [0, 1].
     seconds
-        Time limit.
+        Limit on processor time; on the clock it is `_PATIENCE` times as long.
     name
         The model.
 
@@ -73,7 +79,8 @@ def run_peer(
         `tusqh.experiments.solids.describe_solid` finds, the volume over the winding-number
         volume less one, and distances in cells of our grid.
     timing
-        `model`, `peer`, `status`, `elements`, `seconds` in the call alone.  Not the same twice.
+        `model`, `peer`, `status`, `elements`, `seconds` and `processor_seconds` in the call
+        alone.  Not the same twice.
     """
     grid = fractions.grid
     given = {
@@ -89,11 +96,12 @@ def run_peer(
     }
     status, made = _run_apart(peer, given, seconds)
     row: dict[str, Any] = {"model": name, "peer": peer, "status": status}
-    timing = {**row, "elements": pd.NA, "seconds": float("nan")}
+    timing = {**row, "elements": pd.NA, **dict.fromkeys(_TIMES, float("nan"))}
     if made is not None:
         points, cells = made["points"], made["cells"]
         found = describe_solid(points, cells, cell_size=grid.cell_size)
-        timing |= {"elements": found.pop("elements"), "seconds": round(float(made["seconds"]), 3)}
+        timing["elements"] = found.pop("elements")
+        timing |= {key: round(float(made[key]), 3) for key in _TIMES}
         fit = measure_fit(points, cells, soup)
         measures = {
             **found,
@@ -106,7 +114,7 @@ def run_peer(
 
 
 def _run_apart(
-    peer: str, given: dict[str, Any], seconds: float
+    peer: str, given: dict[str, Any], seconds: int
 ) -> tuple[str, dict[str, np.ndarray] | None]:
     """Return how a peer ended in a process of its own, and what it made."""
     with tempfile.TemporaryDirectory() as folder:
@@ -115,15 +123,17 @@ def _run_apart(
         command = [sys.executable, "-m", "tusqh.experiments.peer_meshers", peer]
         try:
             done = subprocess.run(
-                [*command, str(source), str(target)],
+                [*command, str(source), str(target), str(seconds)],
                 capture_output=True,
                 text=True,
-                timeout=seconds,
+                timeout=_PATIENCE * seconds,
                 cwd=folder,  # fTetWild leaves files where it runs.
                 env={**os.environ, "PYTHONPATH": f"{_FIRST_ON_PATH}{os.pathsep}{_PROJECT}"},
             )
         except subprocess.TimeoutExpired:
-            return f"not finished in {seconds:g} s", None
+            return f"not finished in {seconds} s", None
+        if done.returncode == -signal.SIGXCPU:
+            return f"not finished in {seconds} s", None
         if done.returncode == NOT_INSTALLED:
             return MISSING, None
         if done.returncode < 0:

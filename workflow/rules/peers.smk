@@ -18,8 +18,6 @@ rule peer:
         "results/{model}/logs/peer_{peer}.log",
     conda:
         ENVIRONMENT
-    # Alone on the machine, because it is timed.
-    threads: 2
     script:
         "../scripts/peer.py"
 

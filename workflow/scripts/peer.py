@@ -22,6 +22,6 @@ with recorded(snakemake) as log:
         seconds=snakemake.params.seconds,
         name=snakemake.wildcards.model,
     )
-    log.info("%(peer)s: %(status)s, %(seconds)s s", timing)
+    log.info("%(peer)s: %(status)s, %(processor_seconds)s s of processor time", timing)
     write_csv(Path(snakemake.output.row), pd.DataFrame([row]))
     write_csv(Path(snakemake.output.timing), pd.DataFrame([timing]))
