@@ -50,7 +50,7 @@ def mesh_by_automesh(given: Arrays) -> Solid:
 def mesh_by_pytetwild(given: Arrays) -> Solid:
     """Return the tetrahedra that fTetWild makes of the surface, with its own defaults."""
     points, tets = import_module("pytetwild").tetrahedralize(
-        given["points"], given["triangles"].astype(np.int32), quiet=True
+        given["points"], given["triangles"].astype(np.int32), quiet=True, vtk_ordering=True
     )
     return points, tets.astype(np.int64)
 
