@@ -19,10 +19,10 @@ from tusqh.experiments.orientation import (
     vary_placement,
 )
 from tusqh.experiments.placements import Placement, lay_grids, random_placements
+from tusqh.experiments.raw_cells import raw_mesh
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BackgroundGrid
-from tusqh.meshes.cells_as_they_are import mesh_cells
 from tusqh.sampling.fractions import sample_fractions
 
 STILL = Placement(np.eye(2), np.zeros(2))
@@ -94,7 +94,7 @@ def test_raw_betti_numbers_are_those_of_the_mesh_of_the_cells():
     placements = random_placements(2, 4, seed=0)
     for row in table[table["scheme"] == TOUCHING].itertuples():
         ((_, fractions),) = lay_grids(L_SHAPE, placements[row.placement], [6])
-        mesh = mesh_cells(fractions.cells >= row.threshold, fractions.grid)
+        mesh = raw_mesh(fractions.cells >= row.threshold, fractions.grid)
         assert betti_by_rank(mesh.cells) == (row.betti_0, row.betti_1, row.betti_2)
 
 

@@ -12,9 +12,9 @@ from test_orientation import box
 from tusqh.antialias.policy import Policy
 from tusqh.experiments import peer_meshers
 from tusqh.experiments.peers import COLUMNS, compare_with_peers, run_peer
+from tusqh.experiments.raw_cells import raw_mesh
 from tusqh.experiments.solids import cut_tets, describe_solid, measure_fit
 from tusqh.grid import BackgroundGrid
-from tusqh.meshes.cells_as_they_are import mesh_cells
 from tusqh.meshes.jacobians import corner_jacobians, element_volumes
 from tusqh.sampling.fractions import sample_fractions
 
@@ -25,7 +25,7 @@ FIVE = np.array([[0, 1, 2, 4], [3, 2, 1, 7], [5, 4, 7, 1], [6, 7, 4, 2], [1, 2, 
 
 def tets_of_cells(kept):
     """Every kept cell as six tetrahedra around its main diagonal: conforming everywhere."""
-    mesh = mesh_cells(kept, BackgroundGrid(kept.shape, 1.0, (0.0, 0.0, 0.0)))
+    mesh = raw_mesh(kept, BackgroundGrid(kept.shape, 1.0, (0.0, 0.0, 0.0)))
     ways = [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]]
     return mesh, mesh.cells[:, ways].reshape(-1, 4)
 

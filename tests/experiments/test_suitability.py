@@ -21,18 +21,17 @@ from tusqh.experiments.neumann import (
     estimate_condition,
     label_parts,
 )
+from tusqh.experiments.raw_cells import closed_betti, raw_mesh
 from tusqh.experiments.suitability import (
     OURS,
     RAW,
     REPAIRED,
-    betti_of_cells,
     compare_suitability,
     measure_suitability,
     summarise_suitability,
 )
 from tusqh.experiments.whole_cells import repair_by_cells
 from tusqh.grid import BackgroundGrid
-from tusqh.meshes.cells_as_they_are import mesh_cells
 from tusqh.meshes.checks import find_non_manifold_points
 from tusqh.meshes.facets import find_facets
 from tusqh.meshes.volume_mesh import VolumeMesh
@@ -91,7 +90,7 @@ def n_zero(matrix):
 @settings(max_examples=30, deadline=None, derandomize=True)
 def test_pinches_are_where_the_mesh_of_the_cells_is_no_manifold(dim, seed, density):
     kept = random_cells(seed, dim, density)
-    mesh = mesh_cells(kept, grid_of(kept.shape))
+    mesh = raw_mesh(kept, grid_of(kept.shape))
     found = mesh.points[find_non_manifold_points(find_facets(mesh.cells))]
     expected = grid_of(kept.shape).to_points(np.argwhere(find_pinches(kept)))
     assert sorted(map(tuple, found)) == sorted(map(tuple, expected))
@@ -101,7 +100,7 @@ def test_pinches_are_where_the_mesh_of_the_cells_is_no_manifold(dim, seed, densi
 @settings(max_examples=20, deadline=None, derandomize=True)
 def test_raw_cells_have_the_homology_of_their_complex(seed, density):
     kept = random_cells(seed, 3, density)
-    assert betti_of_cells(kept) == gudhi_betti(mesh_cells(kept, grid_of(kept.shape)).cells)
+    assert closed_betti(kept) == gudhi_betti(raw_mesh(kept, grid_of(kept.shape)).cells)
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -109,7 +108,7 @@ def test_raw_cells_have_the_homology_of_their_complex(seed, density):
 @settings(max_examples=15, deadline=None, derandomize=True)
 def test_zero_modes_and_mechanisms_agree_with_the_spectrum(dim, seed):
     kept = random_cells(seed, dim, 0.45)
-    mesh = mesh_cells(kept, grid_of(kept.shape))
+    mesh = raw_mesh(kept, grid_of(kept.shape))
     stiffness = assemble_stiffness(mesh, element_matrices(mesh)[1])
     n_components = count_kernel(stiffness)
     assert n_components == n_zero(stiffness.toarray())
@@ -118,13 +117,13 @@ def test_zero_modes_and_mechanisms_agree_with_the_spectrum(dim, seed):
 
 
 def test_a_hinge_is_a_mechanism_and_an_edge_in_space_is_one_too():
-    assert count_mechanisms(mesh_cells(np.eye(2, dtype=bool), grid_of((2, 2)))) == 1
+    assert count_mechanisms(raw_mesh(np.eye(2, dtype=bool), grid_of((2, 2)))) == 1
     by_vertex = np.zeros((2, 2, 2), dtype=bool)
     by_vertex[0, 0, 0] = by_vertex[1, 1, 1] = True
-    assert count_mechanisms(mesh_cells(by_vertex, grid_of((2, 2, 2)))) == 3
+    assert count_mechanisms(raw_mesh(by_vertex, grid_of((2, 2, 2)))) == 3
     by_edge = np.zeros((2, 2, 1), dtype=bool)
     by_edge[0, 0] = by_edge[1, 1] = True
-    assert count_mechanisms(mesh_cells(by_edge, grid_of((2, 2, 1)))) == 1
+    assert count_mechanisms(raw_mesh(by_edge, grid_of((2, 2, 1)))) == 1
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -146,7 +145,7 @@ def test_matrices_equal_those_of_mfem_on_a_sound_mesh(dim):
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_the_condition_number_agrees_with_all_eigenvalues(dim):
-    mesh = mesh_cells(np.ones(SHAPES[dim], dtype=bool), grid_of(SHAPES[dim]))
+    mesh = raw_mesh(np.ones(SHAPES[dim], dtype=bool), grid_of(SHAPES[dim]))
     stiffness = assemble_stiffness(mesh, element_matrices(mesh)[1])
     scale = 1 / np.sqrt(stiffness.diagonal())
     values = np.linalg.eigvalsh(scale[:, None] * stiffness.toarray() * scale)
@@ -170,12 +169,12 @@ def test_a_repair_that_ends_leaves_no_pinch_and_counts_its_changes(dim, seed, de
 
 
 def test_heat_leaks_through_a_pinch_and_not_through_nothing():
-    hinged = mesh_cells(np.eye(2, dtype=bool), grid_of((2, 2)))
+    hinged = raw_mesh(np.eye(2, dtype=bool), grid_of((2, 2)))
     apart = np.zeros((3, 3), dtype=bool)
     apart[0, 0] = apart[2, 2] = True
     assert label_parts(hinged)[1] == 2
     assert measure_suitability(hinged)["leak"] > 0.04
-    assert measure_suitability(mesh_cells(apart, grid_of((3, 3))))["leak"] == 0
+    assert measure_suitability(raw_mesh(apart, grid_of((3, 3))))["leak"] == 0
 
 
 def test_the_comparison_of_a_gap():
@@ -184,7 +183,7 @@ def test_the_comparison_of_a_gap():
     values = np.zeros((2 * n + 1, 2 * n + 1))
     kept = np.fromfunction(lambda i, j: (i + j) % n != n - 1, (n, n)) | np.eye(n, dtype=bool)
     values[1::2, 1::2] = np.where(kept, 0.75, 0.125)
-    sets = CellSets(VolumeFractions(grid_of((n, n)), 4, values))
+    sets = CellSets(VolumeFractions.from_values(grid_of((n, n)), 4, values))
     predicted = sets.at(0.5).predicted
     table = compare_suitability(sets, {"chosen": 0.5}, predicted, name="gap").set_index("scheme")
     assert table["manifold"].tolist() == [False, True, True]

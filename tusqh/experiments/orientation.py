@@ -12,9 +12,9 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.pinches import find_pinches
 from tusqh.antialias.policy import MixedPinches, Policy
 from tusqh.experiments.placements import lay_grids, random_placements
-from tusqh.experiments.suitability import betti_of_cells
+from tusqh.experiments.raw_cells import closed_betti
 from tusqh.grid import BoolArray, FloatArray
-from tusqh.sampling.fractions import Geometry
+from tusqh.sampling.field import Geometry
 from tusqh.threshold.goals import Target, matches
 from tusqh.topology.betti_numbers import BettiNumbers
 from tusqh.topology.effective import effective_betti
@@ -107,7 +107,7 @@ def _predict(
     policy = configured.policy
     is_plain = keeps_all(policy)
     return {
-        TOUCHING: betti_of_cells(kept),
+        TOUCHING: closed_betti(kept),
         BY_FACETS: effective_betti(kept, np.zeros_like(pinches), pinches),
         **{f"sub-cells, {mixed}": decided[mixed] for mixed in MIXED},
         POLICY: decided[policy.mixed_pinches] if is_plain else configured.at(threshold).predicted,

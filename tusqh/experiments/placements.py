@@ -14,13 +14,10 @@ from typing import Any
 import numpy as np
 
 from tusqh.grid import BackgroundGrid, FloatArray
-from tusqh.sampling.fractions import (
-    Box,
-    Geometry,
-    VolumeFractions,
-    round_fractions,
-    sample_fractions,
-)
+from tusqh.sampling.doubled_grid import combine_half_blocks
+from tusqh.sampling.field import Geometry
+from tusqh.sampling.fractions import VolumeFractions, sample_fractions
+from tusqh.sampling.lattice import Box
 
 #: Samples along each side of a block.
 _SAMPLES = 2
@@ -122,16 +119,12 @@ def _on_grid(blocks: FloatArray, lattice: BackgroundGrid, per_half: int) -> Volu
     """Return the fractions on a grid whose half-blocks are so many blocks along each side."""
     split = [k for n in blocks.shape for k in (n // per_half, per_half)]
     means = blocks.reshape(split).mean(axis=tuple(range(1, 2 * blocks.ndim, 2)))
-    values = np.pad(means, 1)
-    for axis in range(values.ndim):
-        values = np.moveaxis(values, axis, 0)
-        values = np.moveaxis((values[:-1] + values[1:]) / 2, 0, axis)
     grid = BackgroundGrid(
         shape=tuple(n // 2 for n in means.shape),
         cell_size=2 * per_half * lattice.cell_size,
         origin=lattice.origin,
     )
-    return VolumeFractions(grid, 2 * per_half * _SAMPLES, round_fractions(values))
+    return VolumeFractions(grid, 2 * per_half * _SAMPLES, combine_half_blocks(means))
 
 
 def _from_quaternion(quaternion: FloatArray) -> FloatArray:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from tusqh.experiments.suitability import betti_of_cells
+from tusqh.experiments.raw_cells import closed_betti
 from tusqh.geometry.soup import Soup
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.betti import betti_by_euler
@@ -83,7 +83,7 @@ def describe_solid(points: FloatArray, cells: IntArray, *, cell_size: float) -> 
         index = np.rint((middles - middles.min(axis=0)) / cell_size).astype(np.int64)
         kept = np.zeros(index.max(axis=0) + 1, dtype=bool)
         kept[tuple(index.T)] = True
-        betti = betti_of_cells(kept)
+        betti = closed_betti(kept)
     return {
         "kind": "hexes" if is_hex else "tetrahedra",
         "elements": len(cells),

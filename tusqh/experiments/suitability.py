@@ -19,10 +19,10 @@ from tusqh.experiments.neumann import (
     label_parts,
     points_of,
 )
+from tusqh.experiments.raw_cells import closed_betti, raw_mesh
 from tusqh.experiments.whole_cells import repair_by_cells
-from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.betti import betti_by_euler
-from tusqh.meshes.cells_as_they_are import mesh_cells
 from tusqh.meshes.checks import find_non_manifold_points
 from tusqh.meshes.facets import find_facets
 from tusqh.meshes.jacobians import corner_jacobians, element_volumes
@@ -30,7 +30,6 @@ from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.simulate.diffusion import march
 from tusqh.simulate.operators import Operators
 from tusqh.topology.betti_numbers import BettiNumbers
-from tusqh.topology.effective import effective_betti
 
 RAW, REPAIRED, OURS = "raw cells", "whole cells", "tusqh"
 CHOSEN = "chosen"
@@ -76,13 +75,13 @@ def compare_suitability(
         repair = repair_by_cells(kept, fractions.cells, threshold=threshold)
         resolved = build_mesh(cell_sets.at(threshold), fractions.grid, name=name)
         meshes = {
-            RAW: mesh_cells(kept, fractions.grid, name=name),
-            REPAIRED: mesh_cells(repair.kept, fractions.grid, name=name),
+            RAW: raw_mesh(kept, fractions.grid, name=name),
+            REPAIRED: raw_mesh(repair.kept, fractions.grid, name=name),
             OURS: resolved.mesh,
         }
         pinches = {RAW: find_pinches(kept), REPAIRED: find_pinches(repair.kept)}
         for scheme, mesh in meshes.items():
-            betti = betti_of_cells(kept) if scheme == RAW else betti_by_euler(mesh)
+            betti = closed_betti(kept) if scheme == RAW else betti_by_euler(mesh)
             row = {
                 "model": name,
                 "dimension": mesh.dim,
@@ -104,16 +103,6 @@ def compare_suitability(
     table = pd.DataFrame(rows)
     counts = ["cells_added", "cells_removed", "sweeps"]
     return table.astype(dict.fromkeys(counts, "Int64"))
-
-
-def betti_of_cells(kept: BoolArray) -> BettiNumbers:
-    """Return the Betti numbers of kept cells as they are: those that touch hang together.
-
-    >>> str(betti_of_cells(np.eye(3, dtype=bool)))
-    '(1, 0, 0)'
-    """
-    pinches = find_pinches(kept)
-    return effective_betti(kept, pinches, np.zeros_like(pinches))
 
 
 def measure_suitability(mesh: VolumeMesh) -> dict[str, Any]:

@@ -1,14 +1,19 @@
-"""Kept cells as a mesh, exactly as they are: pinches and all."""
+"""Kept cells exactly as they are, pinches and all: their mesh and their topology."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from tusqh.antialias.pinches import find_pinches
 from tusqh.grid import HEX_CORNERS, QUAD_CORNERS, BackgroundGrid, BoolArray
 from tusqh.meshes.volume_mesh import GRID_CELL, VolumeMesh
+from tusqh.topology.betti_numbers import BettiNumbers
+from tusqh.topology.effective import effective_betti
 
 
-def mesh_cells(kept: BoolArray, grid: BackgroundGrid, *, name: str = "mesh") -> VolumeMesh:
+def raw_mesh(
+    kept: BoolArray, grid: BackgroundGrid | None = None, *, name: str = "mesh"
+) -> VolumeMesh:
     """Return one element per kept cell, sharing the grid vertices between them.
 
     What any code would make that keeps cells and resolves nothing: the boundary need not be a
@@ -19,17 +24,18 @@ def mesh_cells(kept: BoolArray, grid: BackgroundGrid, *, name: str = "mesh") -> 
     kept
         Kept cells, shape n.
     grid
-        The background grid, of shape n.
+        The background grid, of shape n; one of unit cells at the origin by default.
     name
         The model, for messages.
 
     Examples
     --------
-    >>> grid = BackgroundGrid(shape=(2, 2), cell_size=1.0, origin=(0.0, 0.0))
-    >>> mesh = mesh_cells(np.eye(2, dtype=bool), grid)
+    >>> mesh = raw_mesh(np.eye(2, dtype=bool))
     >>> mesh.n_cells, len(mesh.points)
     (2, 7)
     """
+    if grid is None:
+        grid = BackgroundGrid(shape=kept.shape, cell_size=1.0, origin=(0.0,) * kept.ndim)
     corners = np.argwhere(kept)[:, None] + (QUAD_CORNERS if grid.dim == 2 else HEX_CORNERS)
     shape = tuple(n + 1 for n in grid.shape)
     numbers = np.ravel_multi_index(tuple(np.moveaxis(corners, -1, 0)), shape)
@@ -41,3 +47,15 @@ def mesh_cells(kept: BoolArray, grid: BackgroundGrid, *, name: str = "mesh") -> 
         grid_cell=np.flatnonzero(kept).astype(np.int64),
         name=name,
     )
+
+
+def closed_betti(kept: BoolArray) -> BettiNumbers:
+    """Return the Betti numbers of kept cells as they are, joined wherever they touch.
+
+    A neighbourhood of the cells is the same as the cells with all pinches connected.
+
+    >>> str(closed_betti(np.eye(3, dtype=bool)))
+    '(1, 0, 0)'
+    """
+    pinches = find_pinches(kept)
+    return effective_betti(kept, pinches, np.zeros_like(pinches))
