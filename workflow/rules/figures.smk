@@ -139,19 +139,6 @@ rule figure_temperature:
         "../scripts/figure_temperature.py"
 
 
-rule figure_pinches:
-    output:
-        figure=report("results/figures/pinches.png", "../report/pinches.rst", category="Figures"),
-        record="results/provenance/figure_pinches.json",
-        record_how="results/provenance/figure_pinches.how.json",
-    log:
-        "results/figures/logs/pinches.log",
-    conda:
-        ENVIRONMENT
-    script:
-        "../scripts/figure_pinches.py"
-
-
 rule figure_method:
     output:
         figure=report("results/figures/method.png", "../report/method.rst", category="Figures"),

@@ -3,6 +3,11 @@ PAGE_SECTIONS = ["models", "theory", "studies", "limits", "figures"]
 PAGE_TABLES = [
     "results/tables/summary.csv",
     "results/tables/verification.csv",
+    *expand(
+        "results/tables/{table}.csv",
+        table=["pinches", "aliasing", "theorem_windows", "theorem_space_windows", "theorem_contradictions"]
+        + ["gap_meshes", "two_triangles", "wedge_grids"],
+    ),
     "results/tables/orientation.csv",
     "results/tables/orientation_pooled.csv",
     "results/tables/recommended_grids.csv",
@@ -13,7 +18,8 @@ PAGE_FIGURES = [
     *expand("results/chesapeake/figures/{figure}.png", figure=FIGURES[2]),
     *expand("results/{model}/figures/{figure}.png", model=["bearings", "dragon"], figure=["panels", "diagram", "curves"]),
     *expand("results/{model}/figures/stability.png", model=["chesapeake", "bearings", "dragon"]),
-    *expand("results/figures/{figure}.png", figure=["method", "pinches", "orientation", "suitability", "peers"]),
+    *expand("results/figures/{figure}.png", figure=["method", "orientation", "suitability", "peers"]),
+    *[path for path in THEORY if path.endswith(".png")],
 ]
 PAGE_PICTURES = [picture_name(figure) for figure in PAGE_FIGURES]
 
