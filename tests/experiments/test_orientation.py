@@ -16,6 +16,7 @@ from tusqh.experiments.orientation import (
     measure_spread,
     pool_spreads,
     recommend_grid,
+    spread_of,
     vary_placement,
 )
 from tusqh.experiments.placements import Placement, lay_grids, random_placements
@@ -132,8 +133,15 @@ def test_an_interval_holds_the_value_and_nothing_to_shrink_is_missing():
     assert still[["shrinks", "low", "high"]].isna().all(axis=None)
     tables = {"a": made_up(raw, less, less), "b": made_up([1] * 9, [1] * 9, [1] * 9)}
     pooled = pool_spreads(tables, {"a": 0.5, "b": 0.5})
-    assert pooled["models"].tolist() == [1] * 5
+    assert pooled["models"].tolist() == [2] * 5
     assert pooled["shrinks"].tolist() == spread["shrinks"].tolist()
+    # A model that only starts to spread counts too: 1 - (s + 1) / (r + 0).
+    tables["b"] = made_up([1] * 8, [1, 3] * 4, [1] * 8)
+    pooled = pool_spreads(tables, {"a": 0.5, "b": 0.5}).set_index("scheme")
+    raw_sum, less_sum = (float(spread_of(np.array([[n, 0, 0] for n in v]))) for v in (raw, less))
+    found = pooled.loc["sub-cells, majority"]
+    assert found["shrinks"] == pytest.approx(1 - (less_sum + 1) / raw_sum, abs=1e-6)
+    assert found["low"] < found["shrinks"] < found["high"]
 
 
 def test_the_recommended_grid_is_the_coarsest_robust_one():

@@ -182,7 +182,7 @@ def measure_spread(
 def pool_spreads(
     tables: Mapping[str, pd.DataFrame], thresholds: Mapping[str, float], *, seed: int = 0
 ) -> pd.DataFrame:
-    """Return by which share the spread shrinks at the models' thresholds, in the mean over them.
+    """Return by which share the spread at the models' thresholds shrinks, summed over the models.
 
     Parameters
     ----------
@@ -197,27 +197,43 @@ def pool_spreads(
     -------
     pooled
         One row per rank of the grid size (1 is the finest) and scheme but the first: over how
-        many models (`models`) that spread at all, the mean of `shrinks`, and the ends `low` and
-        `high` of its 95 % interval, drawn over the placements of every model.
+        many `models`, the spreads summed over them, raw and of the scheme (`raw_spread`,
+        `spread`), by which share the sum `shrinks`, and the ends `low` and `high` of its 95 %
+        interval, drawn over the placements of every model.
     """
     rng = np.random.default_rng(seed)
-    found: dict[tuple[int, str], list[tuple[float, FloatArray]]] = {}
+    found: dict[int, list[dict[str, FloatArray]]] = {}
     for name, table in tables.items():
         at = table[table["threshold"] == thresholds[name]]
         for rank, group in enumerate(_from_finest(at), start=1):
             numbers = _by_scheme(group)
-            for scheme in SCHEMES[1:]:
-                shrinkage = _shrinkage(numbers[TOUCHING], numbers[scheme], rng)
-                if not np.isnan(shrinkage[0]):
-                    found.setdefault((rank, scheme), []).append(shrinkage)
+            n = len(numbers[TOUCHING])
+            # The first row is the placements themselves, the others are drawn from them.
+            drawn = np.concatenate([np.arange(n)[None], rng.integers(0, n, (_N_BOOTSTRAP, n))])
+            found.setdefault(rank, []).append({s: spread_of(numbers[s][drawn]) for s in SCHEMES})
     rows = []
-    for (rank, scheme), of_models in found.items():
-        low, high = _interval(np.nanmean([drawn for _, drawn in of_models], axis=0))
-        mean = float(np.mean([value for value, _ in of_models]))
-        row = {"grid_rank": rank, "scheme": scheme, "models": len(of_models)}
-        rows.append({**row, "shrinks": mean, "low": low, "high": high})
-    pooled = pd.DataFrame(rows).sort_values("grid_rank", kind="stable")
-    return pooled.round(dict.fromkeys(_ROUNDED, 6))
+    for rank, of_models in sorted(found.items()):
+        sums = {
+            scheme: np.sum([model[scheme] for model in of_models], axis=0) for scheme in SCHEMES
+        }
+        for scheme in SCHEMES[1:]:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                shrinks = 1 - sums[scheme] / sums[TOUCHING]
+            shrinks[~np.isfinite(shrinks)] = np.nan
+            low, high = _interval(shrinks[1:])
+            rows.append(
+                {
+                    "grid_rank": rank,
+                    "scheme": scheme,
+                    "models": len(of_models),
+                    "raw_spread": float(sums[TOUCHING][0]),
+                    "spread": float(sums[scheme][0]),
+                    "shrinks": float(shrinks[0]),
+                    "low": low,
+                    "high": high,
+                }
+            )
+    return pd.DataFrame(rows).round(dict.fromkeys(_ROUNDED, 6))
 
 
 def spread_of(numbers: FloatArray) -> FloatArray:

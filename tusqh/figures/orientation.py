@@ -62,7 +62,7 @@ def draw_orientation(spread: pd.DataFrame, pooled: pd.DataFrame) -> Figure:
     axes[0, 2].set_xlabel("share of placements with the\nmost frequent topology [-]")
     for panel in axes[0]:
         panel.set_yticks(
-            np.arange(len(models) + 1), [*models, "mean"] if panel is axes[0, 0] else []
+            np.arange(len(models) + 1), [*models, "sum of all"] if panel is axes[0, 0] else []
         )
         panel.set_ylim(len(models) + 0.5, -0.5)
         panel.grid(visible=True, linewidth=0.3)
