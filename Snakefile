@@ -18,12 +18,12 @@ rule all:
         "results/tables/summary.md",
         "results/tables/verification.csv",
         figures_of_all_models(),
-        THEORY,
         expand("results/{model}/export/{file}", model=MODELS, file=EXPORTS),
         expand("results/{model}/simulation/concentration.pvd", model=MODELS),
         expand("results/{model}/defects.csv", model=MODELS),
         expand("results/{model}/explorer.html", model=MODELS),
         "results/report/index.html",
+        paper_targets(),
 
 
 include: "workflow/rules/ingest.smk"
@@ -37,3 +37,6 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/theory.smk"
 include: "workflow/rules/explorer.smk"
 include: "workflow/rules/overview.smk"
+include: "workflow/rules/studies.smk"
+include: "workflow/rules/peers.smk"
+include: "workflow/rules/results.smk"

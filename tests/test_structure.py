@@ -18,8 +18,8 @@ from tusqh.geometry.files import PACKAGE, locate
 LAYERS = [
     *("errors", "atomic", "progress", "grid", "geometry", "sampling", "topology", "meshes"),
     *("antialias", "threshold", "simulate", "quality", "experiments", "figures", "tables"),
-    *("provenance", "certificate", "pipeline", "explorer", "overview", "config", "add_model"),
-    *("cli", "__main__"),
+    *("provenance", "certificate", "pipeline", "explorer", "overview", "report", "config"),
+    *("add_model", "cli", "__main__"),
 ]
 
 

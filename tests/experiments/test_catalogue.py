@@ -7,13 +7,13 @@ from oracles import gudhi_betti
 
 from tusqh.antialias.pinches import pinch_table
 from tusqh.experiments.aliasing import compare_examples, sweep_axis_gap
-from tusqh.experiments.examples import closed_betti, raw_mesh
 from tusqh.experiments.pinch_catalogue import (
     connect_edges,
     list_configurations,
     resolve_series,
     tabulate_catalogue,
 )
+from tusqh.experiments.raw_cells import closed_betti, raw_mesh
 
 
 def test_the_configurations_are_the_orbits_of_the_cubes_symmetries():

@@ -12,9 +12,9 @@ from scipy.sparse.csgraph import connected_components
 
 from tusqh.antialias.bridges import ACCEPTED, Bridge, join_components
 from tusqh.antialias.clusters import CONNECT, NONE, SEPARATE, Decisions, decide_by_fraction
-from tusqh.antialias.components import drop_features
+from tusqh.antialias.components import COLUMNS, drop_features
 from tusqh.antialias.pinches import find_pinches
-from tusqh.antialias.policy import Criteria, Policy
+from tusqh.antialias.policy import Policy
 from tusqh.errors import TopologyError
 from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.sampling.fractions import VolumeFractions
@@ -231,7 +231,4 @@ def _is_there(bridge: Bridge, kept: BoolArray) -> bool:
 
 def _no_rows(fractions: VolumeFractions) -> pd.DataFrame:
     """Return the empty table of dropped features."""
-    nothing = np.zeros(fractions.grid.shape, dtype=np.int64)
-    return drop_features(
-        nothing, Criteria(), fractions, nothing.astype(float), threshold=1.0, feature="component"
-    )[1]
+    return pd.DataFrame(columns=[*COLUMNS, *"xyz"[: fractions.grid.dim]])

@@ -17,7 +17,8 @@ from tusqh.antialias.pinches import find_pinches
 from tusqh.antialias.policy import Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.experiments.polygon_areas import Polygon, exact_fractions
-from tusqh.grid import HEX_CORNERS, QUAD_CORNERS, BackgroundGrid, BoolArray, FloatArray
+from tusqh.experiments.raw_cells import closed_betti
+from tusqh.grid import QUAD_CORNERS, BackgroundGrid, BoolArray, FloatArray
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.meshes.checks import check_mesh
 from tusqh.meshes.volume_mesh import KINDS, VolumeMesh
@@ -151,24 +152,3 @@ def mesh_facts(mesh: VolumeMesh, predicted: BettiNumbers) -> dict[str, Any]:
         "as_predicted": measured == betti_by_boundary(mesh) == predicted,
         "sound": all(bool(check.holds) for check in check_mesh(mesh)),
     }
-
-
-def closed_betti(kept: BoolArray) -> BettiNumbers:
-    """Return the Betti numbers of kept cells as they are, joined wherever they touch.
-
-    >>> str(closed_betti(np.eye(2, dtype=bool)))
-    '(1, 0, 0)'
-    """
-    return betti_by_euler(raw_mesh(kept))
-
-
-def raw_mesh(kept: BoolArray) -> VolumeMesh:
-    """Return the kept cells of a unit grid as a mesh, pinches and all."""
-    corners = QUAD_CORNERS if kept.ndim == 2 else HEX_CORNERS
-    places = np.argwhere(kept)[:, None] + corners
-    shape = tuple(n + 1 for n in kept.shape)
-    used, cells = np.unique(
-        np.ravel_multi_index(tuple(np.moveaxis(places, -1, 0)), shape), return_inverse=True
-    )
-    points = np.stack(np.unravel_index(used, shape), axis=1).astype(np.float64)
-    return VolumeMesh.from_arrays(points, cells.reshape(len(places), -1))

@@ -21,11 +21,11 @@ from tusqh.experiments.examples import (
     INTERIOR_VERTEX,
     mesh_facts,
     mesh_rows,
-    raw_mesh,
     shape_rows,
     sub_cell_rows,
 )
 from tusqh.experiments.polygon_areas import Polygon, exact_fractions
+from tusqh.experiments.raw_cells import raw_mesh
 from tusqh.grid import BackgroundGrid, BoolArray
 from tusqh.meshes.jacobians import corner_jacobians
 from tusqh.meshes.volume_mesh import KINDS, VolumeMesh

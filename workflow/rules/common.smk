@@ -7,11 +7,12 @@ from tusqh.config import load_config
 from tusqh.errors import TusqhError
 from tusqh.geometry.files import PACKAGE, dimension_of
 from tusqh.quality.system_libraries import describe_missing
+from tusqh.report import picture_name
 
 ENVIRONMENT = "../../environment.yml"
 FIGURES = {
-    2: ["thresholds", "diagram", "antialias", "contaminant"],
-    3: ["panels", "diagram", "temperature"],
+    2: ["field", "thresholds", "diagram", "curves", "antialias", "contaminant"],
+    3: ["panels", "diagram", "curves", "temperature"],
 }
 THEORY = expand(
     "results/figures/{figure}.png",
@@ -32,6 +33,8 @@ PAGE_LINKS = {
     "removed and filled": "features.csv",
     "simulation (ParaView)": "simulation/concentration.pvd",
 }
+PAPER_MODELS = {"chesapeake", "bearings", "dragon"}
+PEERS = ["tusqh", "automesh", "pytetwild", "pyvista", "trimesh"]
 EXPORTS = ["mesh.mesh", "mesh.msh", "mesh.exo", "mesh.inp"]
 
 try:
@@ -49,12 +52,15 @@ if describe_missing():
 MODELS = SETTINGS["models"]
 GEOMETRY = {name: model["geometry"] for name, model in MODELS.items()}
 DIMENSION = {name: dimension_of(geometry) for name, geometry in GEOMETRY.items()}
+SOLIDS = [name for name, dimension in DIMENSION.items() if dimension == 3]
 SWEEP = {2: SETTINGS["sweep"], 3: SETTINGS["sweep_3d"]}
+STUDY = SETTINGS["study"]
 SNAPSHOTS = sorted(SETTINGS["snapshots"])
 SNAPSHOT_FILES = [f"concentration_{step:05d}.vtu" for step in SNAPSHOTS]
 
 wildcard_constraints:
     model="|".join(MODELS),
+    peer="|".join(PEERS),
 
 
 def of_model(*keys):
@@ -70,6 +76,11 @@ def geometry_of(wildcards):
     """Return the geometry file of a model, none where it lies inside an installed package."""
     geometry = MODELS[wildcards.model]["geometry"]
     return [] if geometry.startswith(PACKAGE) else geometry
+
+
+def source_of(path):
+    """Return a file of the workflow, relative to where it runs, so that records are the same."""
+    return os.path.relpath(Path(workflow.basedir) / "workflow" / path)
 
 
 def any_of(dimension):
@@ -96,3 +107,12 @@ def captions():
     """Return the texts of figures by name, as Snakemake's own report has them."""
     folder = Path(workflow.basedir) / "workflow/report"
     return {path.stem: path.read_text().strip() for path in sorted(folder.glob("*.rst"))}
+    return sorted(os.path.relpath(path) for path in folder.glob("*.rst"))
+
+
+def paper_targets():
+    """Return the paper's page, the theory and all studies, where the paper's models are meshed."""
+    if not PAPER_MODELS <= set(MODELS):
+        return []
+    stability = expand("results/{model}/figures/stability.png", model=MODELS)
+    return ["results/page/results.md", *THEORY, *stability]

@@ -34,6 +34,41 @@ rule figure_diagram:
         "../scripts/figure_diagram.py"
 
 
+rule figure_curves:
+    input:
+        plateaus="results/{model}/plateaus.csv",
+        topologies="results/{model}/topologies.csv",
+        threshold="results/{model}/threshold.json",
+    output:
+        figure=report("results/{model}/figures/curves.png", "../report/curves.rst", category="{model}"),
+        record="results/provenance/{model}/figure_curves.json",
+        record_how="results/provenance/{model}/figure_curves.how.json",
+    log:
+        "results/{model}/logs/figure_curves.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/figure_curves.py"
+
+
+rule figure_field:
+    input:
+        geometry="results/{model}/geometry.vtp",
+        fractions="results/{model}/fractions.npz",
+    output:
+        figure=report("results/{model}/figures/field.png", "../report/field.rst", category="{model}"),
+        record="results/provenance/{model}/figure_field.json",
+        record_how="results/provenance/{model}/figure_field.how.json",
+    params:
+        drawing=of_model("unit"),
+    log:
+        "results/{model}/logs/figure_field.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/figure_field.py"
+
+
 rule figure_antialias:
     input:
         fractions="results/{model}/fractions.npz",
@@ -102,3 +137,16 @@ rule figure_temperature:
         ENVIRONMENT
     script:
         "../scripts/figure_temperature.py"
+
+
+rule figure_method:
+    output:
+        figure=report("results/figures/method.png", "../report/method.rst", category="Figures"),
+        record="results/provenance/figure_method.json",
+        record_how="results/provenance/figure_method.how.json",
+    log:
+        "results/figures/logs/method.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/figure_method.py"

@@ -1,0 +1,139 @@
+"""A model in random orientations and offsets, and the grids of several sizes laid over it.
+
+To turn the grid is to turn the model the other way.  One lattice of blocks is sampled for every
+placement; grids of all sizes are made of it, because the fractions of a grid need its half-block
+means only (`tusqh.sampling.fractions`), and these are means of whole blocks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from tusqh.grid import BackgroundGrid, FloatArray
+from tusqh.sampling.doubled_grid import combine_half_blocks
+from tusqh.sampling.field import Geometry
+from tusqh.sampling.fractions import VolumeFractions, sample_fractions
+from tusqh.sampling.lattice import Box
+
+#: Samples along each side of a block.
+_SAMPLES = 2
+
+
+@dataclass(frozen=True)
+class Placement:
+    """A rigid motion of the model: turned about the middle of a box, then moved.
+
+    Parameters
+    ----------
+    rotation
+        Rotation matrix, shape (dim, dim).
+    offset
+        Where the middle of the box goes, shape (dim,), in cells of the largest size.
+    """
+
+    rotation: FloatArray
+    offset: FloatArray
+
+
+def random_placements(dim: int, count: int, *, seed: int) -> list[Placement]:
+    """Return orientations uniform over all rotations and offsets uniform over a cell.
+
+    >>> placements = random_placements(3, 2, seed=0)
+    >>> turned = placements[0].rotation
+    >>> bool(np.allclose(turned @ turned.T, np.eye(3))), float(np.linalg.det(turned).round(12))
+    (True, 1.0)
+    """
+    rng = np.random.default_rng(seed)
+    placements = []
+    for _ in range(count):
+        if dim == 2:
+            angle = rng.uniform(0, 2 * np.pi)
+            turned = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        else:
+            turned = _from_quaternion(rng.standard_normal(4))
+        placements.append(Placement(turned, rng.uniform(0, 1, dim)))
+    return placements
+
+
+def lay_grids(
+    geometry: Geometry,
+    placement: Placement,
+    sizes: Sequence[int],
+    *,
+    window: Box | None = None,
+    **sampling: Any,
+) -> Iterator[tuple[int, VolumeFractions]]:
+    """Yield the volume fractions of a placed model on grids of several sizes.
+
+    Parameters
+    ----------
+    geometry
+        The model.
+    placement
+        How it lies.
+    sizes
+        Cells along the longest side of the window or bounding box, before it was turned; the
+        largest has to be a multiple of every other one.
+    window
+        Box outside of which there is no material; it is turned with the model.
+    **sampling
+        `domain`, `rule` and `orientation`, see `tusqh.sampling.fractions.sample_fractions`.
+    """
+    low, high = (np.array(end) for end in window or geometry.bounding_box())
+    finest = max(sizes)
+    block = float((high - low).max()) / (2 * finest)
+    coarsest = finest // min(sizes)
+    centre = (low + high) / 2
+    shift = placement.offset * 2 * block * coarsest
+    placed = replace(geometry, points=(geometry.points - centre) @ placement.rotation.T + shift)
+    if window is None:
+        lower, upper = (np.array(end) for end in placed.bounding_box())
+    else:
+        reach = np.abs(placement.rotation) @ ((high - low) / 2)
+        lower, upper = shift - reach, shift + reach
+    # Whole cells of all sizes: as many blocks as these have in common.
+    step = 2 * np.lcm.reduce([finest // size for size in sizes])
+    first = np.floor(lower / (step * block)).astype(int) * step
+    last = np.ceil(upper / (step * block)).astype(int) * step
+    lattice = BackgroundGrid(
+        shape=tuple((last - first).tolist()),
+        cell_size=block,
+        origin=tuple((first * block).tolist()),
+    )
+    blocks = sample_fractions(placed, lattice, samples=_SAMPLES, **sampling).cells.copy()
+    if window is not None:
+        indices = np.argwhere(np.ones(lattice.shape, dtype=bool))
+        places = lattice.to_points(indices.astype(np.float64) + 0.5)
+        local = (places - shift) @ placement.rotation
+        is_out = (np.abs(local) > (high - low) / 2).any(axis=1)
+        blocks.ravel()[is_out] = 0.0
+    for size in sizes:
+        yield size, _on_grid(blocks, lattice, finest // size)
+
+
+def _on_grid(blocks: FloatArray, lattice: BackgroundGrid, per_half: int) -> VolumeFractions:
+    """Return the fractions on a grid whose half-blocks are so many blocks along each side."""
+    split = [k for n in blocks.shape for k in (n // per_half, per_half)]
+    means = blocks.reshape(split).mean(axis=tuple(range(1, 2 * blocks.ndim, 2)))
+    grid = BackgroundGrid(
+        shape=tuple(n // 2 for n in means.shape),
+        cell_size=2 * per_half * lattice.cell_size,
+        origin=lattice.origin,
+    )
+    return VolumeFractions(grid, 2 * per_half * _SAMPLES, combine_half_blocks(means))
+
+
+def _from_quaternion(quaternion: FloatArray) -> FloatArray:
+    """Return the rotation of a quaternion of any length; of normal ones uniform over SO(3)."""
+    w, x, y, z = quaternion / np.linalg.norm(quaternion)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )

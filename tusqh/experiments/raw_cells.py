@@ -1,0 +1,61 @@
+"""Kept cells exactly as they are, pinches and all: their mesh and their topology."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tusqh.antialias.pinches import find_pinches
+from tusqh.grid import HEX_CORNERS, QUAD_CORNERS, BackgroundGrid, BoolArray
+from tusqh.meshes.volume_mesh import GRID_CELL, VolumeMesh
+from tusqh.topology.betti_numbers import BettiNumbers
+from tusqh.topology.effective import effective_betti
+
+
+def raw_mesh(
+    kept: BoolArray, grid: BackgroundGrid | None = None, *, name: str = "mesh"
+) -> VolumeMesh:
+    """Return one element per kept cell, sharing the grid vertices between them.
+
+    What any code would make that keeps cells and resolves nothing: the boundary need not be a
+    manifold, and parts may hang together by a vertex or an edge.
+
+    Parameters
+    ----------
+    kept
+        Kept cells, shape n.
+    grid
+        The background grid, of shape n; one of unit cells at the origin by default.
+    name
+        The model, for messages.
+
+    Examples
+    --------
+    >>> mesh = raw_mesh(np.eye(2, dtype=bool))
+    >>> mesh.n_cells, len(mesh.points)
+    (2, 7)
+    """
+    if grid is None:
+        grid = BackgroundGrid(shape=kept.shape, cell_size=1.0, origin=(0.0,) * kept.ndim)
+    corners = np.argwhere(kept)[:, None] + (QUAD_CORNERS if grid.dim == 2 else HEX_CORNERS)
+    shape = tuple(n + 1 for n in grid.shape)
+    numbers = np.ravel_multi_index(tuple(np.moveaxis(corners, -1, 0)), shape)
+    used, cells = np.unique(numbers, return_inverse=True)
+    return VolumeMesh(
+        points=grid.to_points(np.stack(np.unravel_index(used, shape), axis=1)),
+        cells=cells.reshape(numbers.shape).astype(np.int64),
+        kind=np.full(len(numbers), GRID_CELL, dtype=np.int64),
+        grid_cell=np.flatnonzero(kept).astype(np.int64),
+        name=name,
+    )
+
+
+def closed_betti(kept: BoolArray) -> BettiNumbers:
+    """Return the Betti numbers of kept cells as they are, joined wherever they touch.
+
+    A neighbourhood of the cells is the same as the cells with all pinches connected.
+
+    >>> str(closed_betti(np.eye(3, dtype=bool)))
+    '(1, 0, 0)'
+    """
+    pinches = find_pinches(kept)
+    return effective_betti(kept, pinches, np.zeros_like(pinches))

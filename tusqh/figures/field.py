@@ -1,0 +1,66 @@
+"""The volume fractions of a dirty outline on all sub-cells: its winding number, averaged."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from tusqh.figures import style
+from tusqh.geometry.outline import Outline
+from tusqh.sampling.fractions import VolumeFractions
+
+
+def draw_field(fractions: VolumeFractions, outline: Outline, *, name: str, unit: str) -> Figure:
+    """Return the fractions on the doubled grid, and the place where the outline is dirtiest.
+
+    Parameters
+    ----------
+    fractions
+        Volume fractions; below 0 and above 1 where borders overlap.
+    outline
+        The geometry, drawn over them.
+    name
+        The model, for the title.
+    unit
+        Unit of length of the geometry.
+    """
+    grid = fractions.grid
+    scale, unit = style.length_scale(max(grid.shape) * grid.cell_size, unit)
+    lower, upper = np.divide(grid.origin, scale), np.divide(grid.upper, scale)
+    ratio = (upper[1] - lower[1]) / (upper[0] - lower[0])
+    figure, axes = style.new_figure(1, 2, width=9.5, height=3.4 * ratio + 0.7)
+    # A node of the doubled grid stands for the half cell around it.
+    half = grid.cell_size / scale / 4
+    extent = (lower[0] - half, upper[0] + half, lower[1] - half, upper[1] + half)
+    cells = fractions.cells
+    is_clean = (cells == 0) | (cells == 1)
+    off = np.where((cells < 0) | (cells > 1), np.abs(cells - np.clip(cells, 0, 1)), 0.0)
+    worst = off if off.any() else np.where(is_clean, 0.0, 0.5 - np.abs(cells - 0.5))
+    i, j = np.unravel_index(int(worst.argmax()), worst.shape)
+    middle = grid.to_points(np.array([[i + 0.5, j + 0.5]]))[0] / scale
+    reach = 6 * grid.cell_size / scale
+    image: Any = None
+    for panel, low, high in (
+        (axes[0, 0], lower, upper),
+        (axes[0, 1], middle - reach, middle + reach),
+    ):
+        image = panel.imshow(
+            fractions.values.T,
+            origin="lower",
+            extent=extent,
+            vmin=min(0.0, float(fractions.values.min())),
+            vmax=max(1.0, float(fractions.values.max())),
+            cmap="viridis",
+            interpolation="nearest",
+        )
+        style.draw_outline(panel, outline, scale)
+        style.frame(panel, low, high, unit)
+    axes[0, 0].set_title(f"{name}: {grid.label} cells")
+    axes[0, 1].set_title(
+        "the cell whose fraction is farthest outside [0, 1]" if off.any() else "a close-up"
+    )
+    bar = figure.colorbar(image, ax=axes, shrink=0.8)
+    bar.set_label("volume fraction of cells, edges and vertices [-]")
+    return figure

@@ -1,0 +1,61 @@
+# docs/results.md: the paper's figures and claims beside ours.  Its text is in ../report/results.
+PAGE_SECTIONS = ["models", "theory", "studies", "limits", "figures"]
+PAGE_TABLES = [
+    "results/tables/summary.csv",
+    "results/tables/verification.csv",
+    *expand(
+        "results/tables/{table}.csv",
+        table=["pinches", "aliasing", "theorem_windows", "theorem_space_windows", "theorem_contradictions"]
+        + ["gap_meshes", "two_triangles", "wedge_grids"],
+    ),
+    "results/tables/orientation.csv",
+    "results/tables/orientation_pooled.csv",
+    "results/tables/recommended_grids.csv",
+    "results/tables/suitability_summary.csv",
+    "results/tables/peers_summary.csv",
+]
+PAGE_FIGURES = [
+    *expand("results/chesapeake/figures/{figure}.png", figure=FIGURES[2]),
+    *expand("results/{model}/figures/{figure}.png", model=["bearings", "dragon"], figure=["panels", "diagram", "curves"]),
+    *expand("results/{model}/figures/stability.png", model=["chesapeake", "bearings", "dragon"]),
+    *expand("results/figures/{figure}.png", figure=["method", "orientation", "suitability", "peers"]),
+    *[path for path in THEORY if path.endswith(".png")],
+]
+PAGE_PICTURES = [picture_name(figure) for figure in PAGE_FIGURES]
+
+
+rule results_page:
+    input:
+        template=source_of("report/results.md.j2"),
+        sections=expand(source_of("report/results/{section}.md.j2"), section=PAGE_SECTIONS),
+        tables=PAGE_TABLES,
+        figures=PAGE_FIGURES,
+    output:
+        page="results/page/results.md",
+        pictures=expand("results/page/images/results/{picture}", picture=PAGE_PICTURES),
+        record="results/provenance/results_page.json",
+        record_how="results/provenance/results_page.how.json",
+    log:
+        "results/page/logs/results_page.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/results_page.py"
+
+
+# Not part of `all`: other configurations leave the committed page alone.
+rule docs:
+    input:
+        page="results/page/results.md",
+        pictures=expand("results/page/images/results/{picture}", picture=PAGE_PICTURES),
+    output:
+        page="docs/results.md",
+        pictures=expand("docs/images/results/{picture}", picture=PAGE_PICTURES),
+        record="results/provenance/docs.json",
+        record_how="results/provenance/docs.how.json",
+    log:
+        "results/page/logs/docs.log",
+    conda:
+        ENVIRONMENT
+    script:
+        "../scripts/docs.py"

@@ -1,0 +1,16 @@
+from pathlib import Path
+
+from tusqh.figures import style
+from tusqh.figures.field import draw_field
+from tusqh.geometry.files import load_geometry
+from tusqh.provenance.record import recorded
+from tusqh.sampling.io import load_fractions
+
+with recorded(snakemake) as log:
+    figure = draw_field(
+        load_fractions(Path(snakemake.input.fractions)),
+        load_geometry(Path(snakemake.input.geometry)),
+        name=snakemake.wildcards.model,
+        unit=snakemake.params.drawing["unit"],
+    )
+    style.save(figure, Path(snakemake.output.figure))

@@ -1,0 +1,27 @@
+import json
+from pathlib import Path
+
+import pandas as pd
+
+from tusqh.antialias.policy import Policy
+from tusqh.experiments.peers import run_peer
+from tusqh.geometry.files import load_geometry
+from tusqh.provenance.record import recorded
+from tusqh.sampling.io import load_fractions
+from tusqh.tables import write_csv
+
+with recorded(snakemake) as log:
+    selection = json.loads(Path(snakemake.input.threshold).read_text())
+    row, timing = run_peer(
+        snakemake.wildcards.peer,
+        load_geometry(Path(snakemake.input.geometry)),
+        load_fractions(Path(snakemake.input.fractions)),
+        Policy.from_settings(selection["policy"]),
+        threshold=selection["threshold"],
+        is_clamped=snakemake.params.sampling.get("rule") == "clamped",
+        seconds=snakemake.params.seconds,
+        name=snakemake.wildcards.model,
+    )
+    log.info("%(peer)s: %(status)s, %(processor_seconds)s s of processor time", timing)
+    write_csv(Path(snakemake.output.row), pd.DataFrame([row]))
+    write_csv(Path(snakemake.output.timing), pd.DataFrame([timing]))

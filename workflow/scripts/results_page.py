@@ -1,0 +1,14 @@
+from pathlib import Path
+
+from tusqh.atomic import write_text
+from tusqh.provenance.record import recorded
+from tusqh.report import copy_pictures, render_page
+
+with recorded(snakemake) as log:
+    figures = list(snakemake.input.figures)
+    text = render_page(
+        Path(snakemake.input.template), tables=snakemake.input.tables, figures=figures
+    )
+    written = copy_pictures(figures, Path(snakemake.output.pictures[0]).parent)
+    write_text(Path(snakemake.output.page), text)
+    log.info("%d lines, %d pictures", text.count("\n"), len(written))

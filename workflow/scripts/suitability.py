@@ -1,0 +1,22 @@
+import json
+from pathlib import Path
+
+from tusqh.antialias.cells import CellSets
+from tusqh.antialias.policy import Policy
+from tusqh.experiments.suitability import CHOSEN, compare_suitability
+from tusqh.provenance.record import recorded
+from tusqh.sampling.io import load_fractions
+from tusqh.tables import write_csv
+from tusqh.threshold.select import Selection
+
+with recorded(snakemake) as log:
+    selection = Selection.from_dict(json.loads(Path(snakemake.input.threshold).read_text()))
+    fractions = load_fractions(Path(snakemake.input.fractions))
+    table = compare_suitability(
+        CellSets(fractions, Policy.from_settings(selection.policy)),
+        {CHOSEN: selection.threshold, "one half": 0.5},
+        selection.predicted,
+        name=snakemake.wildcards.model,
+    )
+    log.info("%d meshes, %d manifold", len(table), table["manifold"].sum())
+    write_csv(Path(snakemake.output.table), table)

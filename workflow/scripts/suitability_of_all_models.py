@@ -1,0 +1,14 @@
+from pathlib import Path
+
+import pandas as pd
+
+from tusqh.experiments.suitability import summarise_suitability
+from tusqh.provenance.record import recorded
+from tusqh.tables import write_csv, write_markdown
+
+with recorded(snakemake) as log:
+    table = pd.concat(map(pd.read_csv, snakemake.input.tables), ignore_index=True)
+    summary = summarise_suitability(table)
+    write_csv(Path(snakemake.output.table), table)
+    write_csv(Path(snakemake.output.summary), summary)
+    write_markdown(Path(snakemake.output.markdown), summary)
