@@ -17,6 +17,7 @@ rule all:
         "results/tables/summary.csv",
         "results/tables/summary.md",
         "results/tables/verification.csv",
+        "results/tables/claims.csv",
         figures_of_all_models(),
         THEORY,
         expand("results/{model}/export/{file}", model=MODELS, file=EXPORTS),
@@ -24,6 +25,7 @@ rule all:
         expand("results/{model}/defects.csv", model=MODELS),
         expand("results/{model}/explorer.html", model=MODELS),
         "results/report/index.html",
+        CRATE,
 
 
 include: "workflow/rules/ingest.smk"
@@ -37,3 +39,4 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/theory.smk"
 include: "workflow/rules/explorer.smk"
 include: "workflow/rules/overview.smk"
+include: "workflow/rules/provenance.smk"

@@ -13,14 +13,15 @@ rule overview:
         tables=["results/tables/summary.csv"],
         shared=["results/figures/pinches.png"],
         register=register_if_there(),
-        captions=captions(),
     output:
         page="results/report/index.html",
         record="results/provenance/overview.json",
         record_how="results/provenance/overview.how.json",
     params:
+        code=code_of("overview"),
         models=list(MODELS),
         links=PAGE_LINKS,
+        captions=captions(),
     log:
         "results/report/logs/overview.log",
     conda:

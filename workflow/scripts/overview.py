@@ -26,6 +26,6 @@ with recorded(snakemake) as log:
         models,
         tables={Path(path).stem.replace("_", " "): Path(path) for path in given.tables},
         figures={Path(path).stem.replace("_", " "): Path(path) for path in given.shared},
-        captions={Path(path).stem: Path(path).read_text().strip() for path in given.captions},
+        captions=snakemake.params.captions,
     )
     write_text(page, text)
