@@ -18,7 +18,8 @@ rule overview:
         record="results/provenance/overview.json",
         record_how="results/provenance/overview.how.json",
     params:
-        models=GEOMETRY,
+        code=code_of("overview"),
+        models=list(MODELS),
         links=PAGE_LINKS,
         captions=captions(),
     log:
