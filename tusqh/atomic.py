@@ -50,6 +50,8 @@ def replacing(path: Path) -> Iterator[Path]:
         temporary.chmod(0o666 & ~mask)
         temporary.replace(path)
     except OSError as reason:
+        if reason.filename not in (None, name):
+            raise  # Another file's trouble, which the block met.
         raise _not_writable(path, str(reason.strerror or reason)) from reason
     finally:
         temporary.unlink(missing_ok=True)

@@ -202,7 +202,7 @@ def test_missing_file(tmp_path):
 def test_unsupported_suffix_names_the_supported_ones(tmp_path):
     with pytest.raises(GeometryError, match="not supported") as caught:
         read_outline(write(tmp_path / "a.docx", "hello"))
-    assert caught.value.expected == "one of .geojson, .json, .svg, .dxf, .csv"
+    assert caught.value.expected == "one of .geojson, .json, .svg, .shp, .dxf, .csv"
 
 
 @pytest.mark.parametrize(
