@@ -17,6 +17,7 @@ rule all:
         "results/tables/summary.csv",
         "results/tables/summary.md",
         "results/tables/verification.csv",
+        "results/tables/claims.csv",
         figures_of_all_models(),
         expand("results/{model}/export/{file}", model=MODELS, file=EXPORTS),
         expand("results/{model}/simulation/concentration.pvd", model=MODELS),
@@ -24,6 +25,7 @@ rule all:
         expand("results/{model}/explorer.html", model=MODELS),
         "results/report/index.html",
         paper_targets(),
+        "results/ro-crate-metadata.json",
 
 
 include: "workflow/rules/ingest.smk"
@@ -40,3 +42,4 @@ include: "workflow/rules/overview.smk"
 include: "workflow/rules/studies.smk"
 include: "workflow/rules/peers.smk"
 include: "workflow/rules/results.smk"
+include: "workflow/rules/provenance.smk"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import os
 import tempfile
 from collections.abc import Iterator
@@ -84,6 +85,12 @@ def write_text(path: Path, text: str) -> None:
     r"""Write a UTF-8 text file with ``\n`` line ends, whole or not at all."""
     with replacing(path) as temporary:
         temporary.write_bytes(text.encode())
+
+
+def remove_leftovers(path: Path) -> None:
+    """Remove temporary files for `path` that a killed process left; for its one writer only."""
+    for leftover in path.parent.glob(f".{glob.escape(path.stem)}-????????{path.suffix}"):
+        leftover.unlink(missing_ok=True)
 
 
 def _not_writable(path: Path, why: str) -> OutputError:

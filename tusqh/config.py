@@ -95,6 +95,7 @@ def load_config(paths: Iterable[Path], schema_path: Path, overrides: Mapping) ->
     config = copy.deepcopy(overrides)
     validate(config, schema, where=" + ".join(names) or "--config")
     _require_distinct_names(config["models"], where=" + ".join(names))
+    config = dict(_to_declared_types(config, schema, schema["$defs"]))
     _fill_defaults(config, schema)
     for name, model in config["models"].items():
         _fill_defaults(model, schema["$defs"]["model"])
@@ -169,6 +170,27 @@ def _explain(error: jsonschema.ValidationError) -> tuple[str, str, str]:
     near = difflib.get_close_matches(str(value), [str(v) for v in schema.get("enum", [])], n=1)
     remedy = f"did you mean {near[0]!r}?" if near else "correct it; config/README.md has all keys"
     return f"found {_show(value)}", expected, remedy
+
+
+def _to_declared_types(value: Any, schema: Mapping, definitions: Mapping) -> Any:
+    """Return a value with the number types of its schema: 1 and 1.0 then mean, and record, one."""
+    if "$ref" in schema:
+        schema = {**definitions[str(schema["$ref"]).rpartition("/")[2]], **schema}
+    for alternative in schema.get("anyOf", []):
+        value = _to_declared_types(value, alternative, definitions)
+    types = schema.get("type", [])
+    if isinstance(value, dict):
+        known, others = schema.get("properties", {}), schema.get("additionalProperties")
+        rules = {key: known.get(key, others if isinstance(others, dict) else {}) for key in value}
+        return {key: _to_declared_types(v, rules[key], definitions) for key, v in value.items()}
+    if isinstance(value, list):
+        rule = schema.get("items", {})
+        return [_to_declared_types(item, rule, definitions) for item in value]
+    if isinstance(value, bool):
+        return value
+    if isinstance(value, int) and "number" in types:
+        return float(value)
+    return int(value) if isinstance(value, float) and "integer" in types else value
 
 
 def _fill_defaults(values: Mapping, schema: Mapping) -> None:

@@ -63,3 +63,7 @@ class MeshError(TusqhError):
 
 class SimulationError(TusqhError):
     """A simulation cannot be set up, or did not converge."""
+
+
+class ProvenanceError(TusqhError):
+    """Results, records and lock do not allow what was asked for."""

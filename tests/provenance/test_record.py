@@ -30,7 +30,7 @@ def job(tmp_path, monkeypatch):
         wildcards={"model": "plate"},
         input=Files(table="in.csv"),
         output=Files(mesh="out.vtu", record="what.json", record_how="how.json"),
-        params={"min_cells": 4},
+        params={"min_cells": 4, "code": {"script": "workflow/scripts/mesh.py", "sha256": "ab"}},
         log=["logs/mesh.log"],
         threads=1,
     )

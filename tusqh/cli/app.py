@@ -10,8 +10,11 @@ from tusqh.cli.add import add
 from tusqh.cli.check import check
 from tusqh.cli.inspect import inspect
 from tusqh.cli.interruption import catch_signals
+from tusqh.cli.lock import lock
 from tusqh.cli.mesh import mesh
 from tusqh.cli.show import report_error
+from tusqh.cli.trace import trace
+from tusqh.cli.verify import verify
 from tusqh.cli.view import view
 from tusqh.errors import TusqhError
 
@@ -22,7 +25,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (mesh, inspect, view, check, add):
+for command in (mesh, inspect, view, check, verify, trace, lock, add):
     app.command()(command)
 
 

@@ -36,6 +36,11 @@ DIMENSION_COLOURS = (_PALETTE[0], _PALETTE[1], _PALETTE[2])
 DIMENSION_NAMES = ("components", "holes", "voids")
 
 _DPI = 150
+_WITHOUT_TIME_AND_VERSION: dict[str, dict[str, Any]] = {
+    ".png": {"Software": None},
+    ".svg": {"Date": None, "Creator": None},
+    ".pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+}
 
 
 def new_figure(n_rows: int, n_columns: int, *, width: float, height: float) -> tuple[Figure, Any]:
@@ -47,9 +52,9 @@ def new_figure(n_rows: int, n_columns: int, *, width: float, height: float) -> t
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG of fixed size, the same bytes every time; whole or not at all."""
-    with replacing(path) as temporary:
-        figure.savefig(temporary, dpi=_DPI, metadata={"Software": None})
+    """Write a figure as PNG, SVG or PDF, the same bytes every time; whole or not at all."""
+    with replacing(path) as temporary, mpl.rc_context({"svg.hashsalt": "tusqh"}):
+        figure.savefig(temporary, dpi=_DPI, metadata=_WITHOUT_TIME_AND_VERSION[path.suffix])
     plt.close(figure)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from importlib import metadata
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,8 @@ from tusqh.errors import GeometryError
 from tusqh.geometry import io, io_image
 from tusqh.geometry.image import Image
 from tusqh.geometry.outline import Outline
+from tusqh.geometry.packaged import PACKAGE as PACKAGE
+from tusqh.geometry.packaged import locate as locate
 from tusqh.geometry.read import read_outline
 from tusqh.geometry.read_image import SUFFIXES as IMAGE_SUFFIXES
 from tusqh.geometry.read_image import read_image
@@ -24,9 +25,6 @@ from tusqh.geometry.soup import Soup
 #: What a geometry file may hold.
 Geometry = Outline | Soup | Image
 
-#: A geometry that begins so names a file inside an installed package: ``package:NAME/FILE``.
-PACKAGE = "package:"
-
 
 def dimension_of(geometry: str) -> int:
     """Return 3 for surfaces and images and 2 for outlines, by the suffix of a file.
@@ -35,32 +33,6 @@ def dimension_of(geometry: str) -> int:
     (3, 3, 2)
     """
     return 3 if Path(geometry).suffix.lower() in SURFACE_SUFFIXES + IMAGE_SUFFIXES else 2
-
-
-def locate(geometry: str) -> Path:
-    """Return the path of a configuration entry, inside an installed package or not.
-
-    Raises
-    ------
-    GeometryError
-        The package is not installed or has no such file.
-    """
-    if not geometry.startswith(PACKAGE):
-        return Path(geometry)
-    name, _, inner = geometry.removeprefix(PACKAGE).partition("/")
-    try:
-        files = metadata.files(name) or []
-    except metadata.PackageNotFoundError:
-        files = []
-    for file in files:
-        if file.as_posix().endswith(inner):
-            return Path(str(file.locate()))
-    raise GeometryError(
-        f"the package {name!r} has no file {inner!r}",
-        where=geometry,
-        expected="a file of an installed package, as package:NAME/FILE",
-        remedy=f"pip install {name}, or give the path of a file instead",
-    )
 
 
 def read_geometry(path: Path, *, image: Mapping[str, float] | None = None) -> Geometry:

@@ -98,6 +98,7 @@ def _write_exodus(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
     with replacing(path) as temporary:
         meshio.exodus.write(temporary, _to_meshio(mesh, []))
         with netCDF4.Dataset(temporary, "a") as file:
+            file.title = mesh.name  # In place of meshio's, which has the time in it.
             file.createDimension("num_side_sets", len(present))
             width = file.dimensions["len_string"].size
             file.createVariable("ss_status", "i4", ("num_side_sets",))[:] = 1

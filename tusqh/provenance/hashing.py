@@ -21,3 +21,12 @@ def canonical_json(value: Any) -> str:
     '{\n  "a": [\n    2.5\n  ],\n  "b": 1\n}\n'
     """
     return json.dumps(value, indent=2, sort_keys=True, ensure_ascii=False) + "\n"
+
+
+def hash_value(value: Any) -> str:
+    """Return the SHA-256 of a plain value's canonical JSON, in hexadecimal.
+
+    >>> hash_value({"b": 1, "a": 2}) == hash_value({"a": 2, "b": 1})
+    True
+    """
+    return hashlib.sha256(canonical_json(value).encode()).hexdigest()

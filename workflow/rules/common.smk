@@ -1,4 +1,5 @@
 # The validated configuration and the few functions that read it; no other file does.
+import os
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
@@ -6,9 +7,13 @@ from snakemake.exceptions import WorkflowError
 from tusqh.config import load_config
 from tusqh.errors import TusqhError
 from tusqh.geometry.files import PACKAGE, dimension_of
+from tusqh.provenance.claims import load_claims
+from tusqh.provenance.code import code_fingerprint, list_code
 from tusqh.quality.system_libraries import describe_missing
 from tusqh.report import picture_name
 
+BASE = Path(workflow.basedir)
+SCRIPTS = set()
 ENVIRONMENT = "../../environment.yml"
 FIGURES = {
     2: ["field", "thresholds", "diagram", "curves", "antialias", "contaminant"],
@@ -40,8 +45,11 @@ EXPORTS = ["mesh.mesh", "mesh.msh", "mesh.exo", "mesh.inp"]
 try:
     SETTINGS = load_config(
         [Path(path) for path in workflow.configfiles],
-        Path(workflow.basedir) / "workflow/schemas/config.schema.yaml",
+        BASE / "workflow/schemas/config.schema.yaml",
         config,
+    )
+    CLAIMS = load_claims(
+        BASE / "workflow/claims.yaml", BASE / "workflow/schemas/claims.schema.yaml"
     )
 except TusqhError as error:
     raise WorkflowError(f"configuration error in {error}")
@@ -63,6 +71,17 @@ wildcard_constraints:
     peer="|".join(PEERS),
 
 
+def code_of(script):
+    """Return the fingerprint of a rule's script and of all the project code that it imports."""
+    SCRIPTS.add(f"workflow/scripts/{script}.py")
+    return code_fingerprint(f"workflow/scripts/{script}.py", base=BASE)
+
+
+onstart:
+    for path in sorted(SCRIPTS):
+        list_code(path, base=BASE, folder=Path("results/provenance/code"))
+
+
 def of_model(*keys):
     """Return a function that gives a rule those settings of its model that are set."""
 
@@ -80,7 +99,7 @@ def geometry_of(wildcards):
 
 def source_of(path):
     """Return a file of the workflow, relative to where it runs, so that records are the same."""
-    return os.path.relpath(Path(workflow.basedir) / "workflow" / path)
+    return os.path.relpath(BASE / "workflow" / path)
 
 
 def any_of(dimension):
@@ -105,9 +124,8 @@ def register_if_there():
 
 def captions():
     """Return the texts of figures by name, as Snakemake's own report has them."""
-    folder = Path(workflow.basedir) / "workflow/report"
-    return {path.stem: path.read_text().strip() for path in sorted(folder.glob("*.rst"))}
-    return sorted(os.path.relpath(path) for path in folder.glob("*.rst"))
+    files = sorted((BASE / "workflow/report").glob("*.rst"))
+    return {path.stem: path.read_text("utf-8").strip() for path in files}
 
 
 def paper_targets():

@@ -20,6 +20,7 @@ rule explorer:
         record="results/provenance/{model}/explorer.json",
         record_how="results/provenance/{model}/explorer.how.json",
     params:
+        code=code_of("explorer"),
         page=assets_fingerprint(),
         source=of_model("geometry", "unit"),
         settings=of_model(

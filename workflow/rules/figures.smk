@@ -7,6 +7,7 @@ rule figure_thresholds:
         record="results/provenance/{model}/figure_thresholds.json",
         record_how="results/provenance/{model}/figure_thresholds.how.json",
     params:
+        code=code_of("figure_thresholds"),
         policy=of_model("mixed_pinches", "bridges", "components", "holes", "voids"),
         drawing=of_model("panels", "unit"),
     log:
@@ -26,6 +27,8 @@ rule figure_diagram:
         figure=report("results/{model}/figures/diagram.png", "../report/diagram.rst", category="{model}"),
         record="results/provenance/{model}/figure_diagram.json",
         record_how="results/provenance/{model}/figure_diagram.how.json",
+    params:
+        code=code_of("figure_diagram"),
     log:
         "results/{model}/logs/figure_diagram.log",
     conda:
@@ -43,6 +46,8 @@ rule figure_curves:
         figure=report("results/{model}/figures/curves.png", "../report/curves.rst", category="{model}"),
         record="results/provenance/{model}/figure_curves.json",
         record_how="results/provenance/{model}/figure_curves.how.json",
+    params:
+        code=code_of("figure_curves"),
     log:
         "results/{model}/logs/figure_curves.log",
     conda:
@@ -60,6 +65,7 @@ rule figure_field:
         record="results/provenance/{model}/figure_field.json",
         record_how="results/provenance/{model}/figure_field.how.json",
     params:
+        code=code_of("figure_field"),
         drawing=of_model("unit"),
     log:
         "results/{model}/logs/figure_field.log",
@@ -79,6 +85,7 @@ rule figure_antialias:
         record="results/provenance/{model}/figure_antialias.json",
         record_how="results/provenance/{model}/figure_antialias.how.json",
     params:
+        code=code_of("figure_antialias"),
         drawing=of_model("unit"),
     log:
         "results/{model}/logs/figure_antialias.log",
@@ -97,6 +104,7 @@ rule figure_contaminant:
         record="results/provenance/{model}/figure_contaminant.json",
         record_how="results/provenance/{model}/figure_contaminant.how.json",
     params:
+        code=code_of("figure_contaminant"),
         drawing=of_model("unit"),
     log:
         "results/{model}/logs/figure_contaminant.log",
@@ -115,6 +123,8 @@ rule figure_panels:
         figure=report("results/{model}/figures/panels.png", "../report/panels.rst", category="{model}"),
         record="results/provenance/{model}/figure_panels.json",
         record_how="results/provenance/{model}/figure_panels.how.json",
+    params:
+        code=code_of("figure_panels"),
     log:
         "results/{model}/logs/figure_panels.log",
     conda:
@@ -131,6 +141,8 @@ rule figure_temperature:
         figure=report("results/{model}/figures/temperature.png", "../report/temperature.rst", category="{model}"),
         record="results/provenance/{model}/figure_temperature.json",
         record_how="results/provenance/{model}/figure_temperature.how.json",
+    params:
+        code=code_of("figure_temperature"),
     log:
         "results/{model}/logs/figure_temperature.log",
     conda:
@@ -144,6 +156,8 @@ rule figure_method:
         figure=report("results/figures/method.png", "../report/method.rst", category="Figures"),
         record="results/provenance/figure_method.json",
         record_how="results/provenance/figure_method.how.json",
+    params:
+        code=code_of("figure_method"),
     log:
         "results/figures/logs/method.log",
     conda:

@@ -7,6 +7,7 @@ rule ingest:
         record="results/provenance/{model}/ingest.json",
         record_how="results/provenance/{model}/ingest.how.json",
     params:
+        code=code_of("ingest"),
         source=of_model("geometry", "image"),
     log:
         "results/{model}/logs/ingest.log",

@@ -10,6 +10,8 @@ rule mesh:
         certificate=report("results/{model}/certificate.json", "../report/certificate.rst", category="{model}"),
         record="results/provenance/{model}/mesh.json",
         record_how="results/provenance/{model}/mesh.how.json",
+    params:
+        code=code_of("mesh"),
     log:
         "results/{model}/logs/mesh.log",
     conda:
@@ -34,6 +36,7 @@ for dimension in (2, 3):
         wildcard_constraints:
             model=any_of(dimension),
         params:
+            code=code_of("sweep"),
             policy=of_model("mixed_pinches", "bridges", "components", "holes", "voids"),
             thresholds=SWEEP[dimension],
         log:
@@ -51,6 +54,8 @@ rule export:
         meshes=expand("results/{{model}}/export/{file}", file=EXPORTS),
         record="results/provenance/{model}/export.json",
         record_how="results/provenance/{model}/export.how.json",
+    params:
+        code=code_of("export"),
     log:
         "results/{model}/logs/export.log",
     conda:

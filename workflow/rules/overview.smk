@@ -18,6 +18,7 @@ rule overview:
         record="results/provenance/overview.json",
         record_how="results/provenance/overview.how.json",
     params:
+        code=code_of("overview"),
         models=GEOMETRY,
         links=PAGE_LINKS,
         captions=captions(),

@@ -12,6 +12,7 @@ rule peer:
     wildcard_constraints:
         model=any_of(3),
     params:
+        code=code_of("peer"),
         sampling=of_model("rule"),
         seconds=STUDY["seconds"],
     log:
@@ -33,6 +34,8 @@ rule peers:
         timing="results/tables/peers_timing.csv",
         record="results/provenance/peers.json",
         record_how="results/provenance/peers.how.json",
+    params:
+        code=code_of("peers"),
     log:
         "results/tables/logs/peers.log",
     conda:
@@ -48,6 +51,8 @@ rule figure_peers:
         figure=report("results/figures/peers.png", "../report/peers.rst", category="Figures"),
         record="results/provenance/figure_peers.json",
         record_how="results/provenance/figure_peers.how.json",
+    params:
+        code=code_of("figure_peers"),
     log:
         "results/figures/logs/peers.log",
     conda:

@@ -7,6 +7,8 @@ rule quality:
         verdict=report("results/{model}/verdict.csv", "../report/verdict.rst", category="{model}"),
         record="results/provenance/{model}/quality.json",
         record_how="results/provenance/{model}/quality.how.json",
+    params:
+        code=code_of("quality"),
     log:
         "results/{model}/logs/quality.log",
     conda:

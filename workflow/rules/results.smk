@@ -35,6 +35,8 @@ rule results_page:
         pictures=expand("results/page/images/results/{picture}", picture=PAGE_PICTURES),
         record="results/provenance/results_page.json",
         record_how="results/provenance/results_page.how.json",
+    params:
+        code=code_of("results_page"),
     log:
         "results/page/logs/results_page.log",
     conda:
@@ -53,6 +55,8 @@ rule docs:
         pictures=expand("docs/images/results/{picture}", picture=PAGE_PICTURES),
         record="results/provenance/docs.json",
         record_how="results/provenance/docs.how.json",
+    params:
+        code=code_of("docs"),
     log:
         "results/page/logs/docs.log",
     conda:

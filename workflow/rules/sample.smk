@@ -6,6 +6,7 @@ rule sample:
         record="results/provenance/{model}/sample.json",
         record_how="results/provenance/{model}/sample.how.json",
     params:
+        code=code_of("sample"),
         grid=of_model("grid", "window"),
         sampling=of_model("samples", "domain", "rule", "orientation", "sampler", "tolerance"),
     log:

@@ -8,6 +8,7 @@ rule simulate:
         record="results/provenance/{model}/simulate.json",
         record_how="results/provenance/{model}/simulate.how.json",
     params:
+        code=code_of("simulate"),
         release=of_model("simulation"),
         steps=SNAPSHOTS,
     log:

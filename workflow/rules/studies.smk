@@ -7,6 +7,8 @@ rule suitability:
         table="results/{model}/suitability.csv",
         record="results/provenance/{model}/suitability.json",
         record_how="results/provenance/{model}/suitability.how.json",
+    params:
+        code=code_of("suitability"),
     log:
         "results/{model}/logs/suitability.log",
     conda:
@@ -24,6 +26,8 @@ rule suitability_of_all_models:
         markdown="results/tables/suitability_summary.md",
         record="results/provenance/suitability_of_all_models.json",
         record_how="results/provenance/suitability_of_all_models.how.json",
+    params:
+        code=code_of("suitability_of_all_models"),
     log:
         "results/tables/logs/suitability.log",
     conda:
@@ -39,6 +43,8 @@ rule figure_suitability:
         figure=report("results/figures/suitability.png", "../report/suitability.rst", category="Figures"),
         record="results/provenance/figure_suitability.json",
         record_how="results/provenance/figure_suitability.how.json",
+    params:
+        code=code_of("figure_suitability"),
     log:
         "results/figures/logs/suitability.log",
     conda:
@@ -66,6 +72,7 @@ for dimension in (2, 3):
         wildcard_constraints:
             model=any_of(dimension),
         params:
+            code=code_of("placements"),
             placements=STUDY["placements"],
             cells=STUDY[f"cells_{dimension}d"],
             window=of_model("window"),
@@ -87,6 +94,8 @@ rule figure_stability:
         figure=report("results/{model}/figures/stability.png", "../report/stability.rst", category="{model}"),
         record="results/provenance/{model}/figure_stability.json",
         record_how="results/provenance/{model}/figure_stability.how.json",
+    params:
+        code=code_of("figure_stability"),
     log:
         "results/{model}/logs/figure_stability.log",
     conda:
@@ -110,6 +119,7 @@ rule placements_of_all_models:
         record="results/provenance/placements_of_all_models.json",
         record_how="results/provenance/placements_of_all_models.how.json",
     params:
+        code=code_of("placements_of_all_models"),
         models=list(MODELS),
     log:
         "results/tables/logs/placements.log",
@@ -127,6 +137,8 @@ rule figure_orientation:
         figure=report("results/figures/orientation.png", "../report/orientation.rst", category="Figures"),
         record="results/provenance/figure_orientation.json",
         record_how="results/provenance/figure_orientation.how.json",
+    params:
+        code=code_of("figure_orientation"),
     log:
         "results/figures/logs/orientation.log",
     conda:

@@ -11,6 +11,8 @@ rule tables:
         verification=report("results/tables/verification.csv", "../report/verification.rst", category="Tables"),
         record="results/provenance/tables.json",
         record_how="results/provenance/tables.how.json",
+    params:
+        code=code_of("tables"),
     log:
         "results/tables/logs/tables.log",
     conda:

@@ -11,6 +11,8 @@ rule pinch_catalogue:
         edges_shapes="results/tables/connecting_edges_shapes.csv",
         record="results/provenance/pinch_catalogue.json",
         record_how="results/provenance/pinch_catalogue.how.json",
+    params:
+        code=code_of("pinch_catalogue"),
     log:
         "results/tables/logs/pinch_catalogue.log",
     conda:
@@ -33,6 +35,8 @@ rule figure_pinches:
         edges=report("results/figures/connecting_edges.png", "../report/connecting_edges.rst", category="Theory"),
         record="results/provenance/figure_pinches.json",
         record_how="results/provenance/figure_pinches.how.json",
+    params:
+        code=code_of("figure_pinches"),
     log:
         "results/figures/logs/pinches.log",
     conda:
@@ -50,6 +54,7 @@ rule aliasing:
         record="results/provenance/aliasing.json",
         record_how="results/provenance/aliasing.how.json",
     params:
+        code=code_of("aliasing"),
         offsets=60,
     log:
         "results/tables/logs/aliasing.log",
@@ -70,6 +75,8 @@ rule figure_aliasing:
         axis_gap=report("results/figures/axis_gap.png", "../report/axis_gap.rst", category="Theory"),
         record="results/provenance/figure_aliasing.json",
         record_how="results/provenance/figure_aliasing.how.json",
+    params:
+        code=code_of("figure_aliasing"),
     log:
         "results/figures/logs/aliasing.log",
     conda:
@@ -89,6 +96,7 @@ rule theorem_plane:
         record="results/provenance/theorem_plane.json",
         record_how="results/provenance/theorem_plane.how.json",
     params:
+        code=code_of("theorem_plane"),
         rotation_step=0.5,
         offsets=64,
         widths=[0.3, 1.5, 0.01],
@@ -109,6 +117,7 @@ rule theorem_space:
         record="results/provenance/theorem_space.json",
         record_how="results/provenance/theorem_space.how.json",
     params:
+        code=code_of("theorem_space"),
         ratios=12,
         offsets=16,
         widths=[0.3, 2.1, 0.05],
@@ -127,6 +136,7 @@ rule gap_meshes:
         record="results/provenance/gap_meshes.json",
         record_how="results/provenance/gap_meshes.how.json",
     params:
+        code=code_of("gap_meshes"),
         trials=100,
         samples=[0, 2, 4, 8],
         seed=7,
@@ -151,6 +161,8 @@ rule figure_theorem:
         space=report("results/figures/theorem_space.png", "../report/theorem_space.rst", category="Theory"),
         record="results/provenance/figure_theorem.json",
         record_how="results/provenance/figure_theorem.how.json",
+    params:
+        code=code_of("figure_theorem"),
     log:
         "results/figures/logs/theorem.log",
     conda:
@@ -168,6 +180,7 @@ rule refinement:
         record="results/provenance/refinement.json",
         record_how="results/provenance/refinement.how.json",
     params:
+        code=code_of("refinement"),
         refinements=10,
         halvings=5,
     log:
@@ -189,6 +202,8 @@ rule figure_refinement:
         wedge=report("results/figures/wedge_islands.png", "../report/wedge_islands.rst", category="Theory"),
         record="results/provenance/figure_refinement.json",
         record_how="results/provenance/figure_refinement.how.json",
+    params:
+        code=code_of("figure_refinement"),
     log:
         "results/figures/logs/refinement.log",
     conda:

@@ -7,6 +7,8 @@ rule persistence:
         plateaus="results/{model}/plateaus.csv",
         record="results/provenance/{model}/persistence.json",
         record_how="results/provenance/{model}/persistence.how.json",
+    params:
+        code=code_of("persistence"),
     log:
         "results/{model}/logs/persistence.log",
     conda:
@@ -27,6 +29,7 @@ rule select:
         record="results/provenance/{model}/select.json",
         record_how="results/provenance/{model}/select.how.json",
     params:
+        code=code_of("select"),
         wanted=of_model("threshold", "target", "persistence", "volume"),
         policy=of_model("mixed_pinches", "bridges", "components", "holes", "voids"),
     log:

@@ -1,0 +1,248 @@
+"""What nobody should be able to do unnoticed, and what nobody should be bothered about."""
+
+import json
+import os
+import shutil
+
+import pytest
+
+from tusqh.provenance import check, compare
+from tusqh.provenance.environment import installed_versions
+from tusqh.provenance.findings import Outcome, merge
+
+DIFFERENT, CANNOT_TELL, SAME = Outcome.DIFFERENT, Outcome.CANNOT_TELL, Outcome.SAME
+RECORDS = "results/provenance"
+
+
+def find(report, file):
+    """Return the findings about a file, each of which must be of use to a reader."""
+    found = [f for f in merge(report.findings) if file in f.file and f.outcome is not SAME]
+    assert found, [f.file for f in report.findings]
+    for finding in found:
+        assert finding.found
+        assert finding.expected
+        assert finding.found != finding.expected
+        assert finding.remedy
+    return found
+
+
+def state_of(project, path):
+    check.digest_now.cache_clear()
+    return {"sha256": check.digest_now(path), "size": (project / path).stat().st_size}
+
+
+def test_untouched_results_are_the_same_in_another_place(checkout):
+    report = checkout.verify()
+    assert report.verdict is SAME, merge(report.findings)
+    assert set(report.classes.values()) == {"exact"}
+    assert report.recording_share > 0
+
+
+def test_a_flipped_bit_is_caught_in_every_kind_of_file(project):
+    files = [
+        *("results/gap/figures/thresholds.png", "results/figures/pinches.png"),
+        *("results/gap/plateaus.csv", "results/tables/summary.csv", "results/gap/mesh.vtu"),
+        *("results/ring/sweep/0.5.vtu", "results/ring/export/mesh.exo"),
+        *("results/ring/geometry.vtp", "results/ro-crate-metadata.json"),
+    ]
+    assert (project / "results/ring/geometry.vtp").stat().st_size > 1_000_000
+    for file in files:
+        before = (project / file).stat()
+        project.flip(file)
+        after = (project / file).stat()
+        assert (before.st_mtime_ns, before.st_size) == (after.st_mtime_ns, after.st_size)
+    report = project.verify()
+    assert report.verdict is DIFFERENT
+    for file in files:
+        (finding,) = find(report, file)
+        assert finding.remedy == f"{project.plan().command} --force -- {file}"
+        assert {"SHA-256"} == {text.split()[0] for text in (finding.found, finding.expected)}
+    assert len(merge(report.findings)) == len(files), "and nothing else"
+
+
+def test_edited_records_are_caught(project):
+    changes = {
+        "gap/ingest": {"step": "quality"},
+        "gap/sample": {"model": "ring"},
+        "gap/persistence": {"parameters": {"samples": 8}},
+        "gap/select": {"code": {"script": "workflow/scripts/select.py", "sha256": 64 * "0"}},
+        "gap/mesh": {"inputs": []},
+        "gap/quality": {"outputs": []},
+        "gap/export": {"extra": 1},
+        "gap/simulate": {"outputs": [1]},
+    }
+    for key, change in changes.items():
+        project.edit_record(
+            f"{RECORDS}/{key}.json", lambda what, change=change: what.update(change)
+        )
+    laid_out_anew = f"{RECORDS}/ring/mesh.json"
+    text = json.dumps(json.loads((project / laid_out_anew).read_text()))
+    project.write(laid_out_anew, text.encode())
+    report = project.verify()
+    for key in changes:
+        assert report.outcomes[key] is DIFFERENT, key
+    assert find(report, laid_out_anew)[0].found == "was written by something else than a step"
+
+
+def test_edited_digests_and_sizes_in_records_are_caught(project):
+    edited = []
+    for key, entries, part, value in (
+        ("gap/mesh", "inputs", "sha256", 64 * "0"),
+        ("gap/sweep", "outputs", "sha256", 64 * "0"),
+        ("ring/mesh", "inputs", "size", 1),
+        ("ring/sweep", "outputs", "size", 1),
+    ):
+
+        def change(what, entries=entries, part=part, value=value):
+            what[entries][0][part] = value
+            edited.append(what[entries][0]["path"])
+
+        project.edit_record(f"{RECORDS}/{key}.json", change)
+    report = project.verify()
+    for file in edited:
+        assert find(report, file)[0].outcome is DIFFERENT
+
+
+def test_a_table_forged_together_with_its_record_is_caught(project):
+    table = "results/gap/plateaus.csv"
+    project.edit(table, "0.", "0.9")
+
+    def forge(what):
+        for entry in what["outputs"]:
+            entry.update(state_of(project, entry["path"]))
+
+    project.edit_record(f"{RECORDS}/gap/persistence.json", forge)
+    report = project.verify()
+    assert report.outcomes["gap/persistence"] is DIFFERENT, "the lock knows better"
+    assert report.outcomes["gap/select"] is DIFFERENT, "it has read another table"
+    assert any("as locked, class exact" in finding.expected for finding in find(report, table))
+
+
+def test_a_changed_source_and_a_register_that_disagrees_are_caught(project):
+    digest = state_of(project, "data_sources/ring.stl")["sha256"]
+    project.edit("data_sources/register.csv", digest, 64 * "0")
+    project.edit("data_sources/gap.svg", "40", "41")
+    report = project.verify()
+    (changed,) = find(report, "data_sources/gap.svg")
+    (disagrees,) = [f for f in report.findings if f.file == "data_sources/ring.stl"]
+    assert "restore the source file" in changed.remedy
+    assert "as data_sources/register.csv says" in disagrees.expected
+
+
+def test_a_source_that_is_gone_is_caught(project):
+    (project / "data_sources/gap.svg").unlink()
+    report = project.verify()
+    assert report.verdict is DIFFERENT
+    assert find(report, "data_sources/gap.svg")[0].found == "not there"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ("threshold: 0.5", "threshold: 0.6", "wanted.threshold"),
+        ("    unit: mm\n    grid: {cells: 12}", "    grid: {cells: 12}", "drawing.unit"),
+    ],
+)
+def test_a_changed_parameter_is_caught(project, old, new, key):
+    project.edit("config/config.yaml", old, new)
+    report = project.verify()
+    finding = find(report, f"parameter {key}")[0]
+    assert finding.outcome is DIFFERENT
+    assert finding.remedy == project.plan().command
+    assert not any(step.startswith("ring/") for step, outcome in report.outcomes.items() if outcome)
+
+
+def test_a_constant_three_imports_deep_is_caught(checkout):
+    # The script imports certificate, which imports meshes.checks, which imports this.
+    file = "tusqh/meshes/hanging_nodes.py"
+    checkout.edit(file, "import numpy as np", "import numpy as np\n\n_DEEP = 1")
+    report = checkout.verify()
+    (finding,) = find(report, file)
+    assert finding.outcome is DIFFERENT
+    assert report.outcomes["gap/mesh"] is DIFFERENT
+    assert report.outcomes["gap/sample"] is SAME, "sampling does not reach it"
+
+
+def test_a_changed_script_is_caught_and_concerns_its_step_alone(checkout):
+    name = "workflow/scripts/figure_pinches.py"
+    checkout.edit(name, "draw_pinches(),", "draw_pinches(*()),")
+    report = checkout.verify()
+    assert [f.file for f in find(report, "workflow/scripts")] == [name]
+    assert [k for k, out in report.outcomes.items() if out] == ["figure_pinches", "crate"]
+
+
+def test_another_version_of_a_package_is_caught(project, monkeypatch):
+    other = installed_versions() | {"numpy": "1.0"}
+    monkeypatch.setattr(check, "installed_versions", lambda: other)
+    monkeypatch.setattr(compare, "installed_versions", lambda: other)
+    report = project.verify()
+    assert report.verdict is CANNOT_TELL
+    (finding,) = find(report, "environment")
+    assert "numpy 1.0" in finding.found
+    assert f"numpy {installed_versions()['numpy']}" in finding.expected
+    assert "pip install -r requirements.lock" in finding.remedy
+
+
+def test_a_claim_made_false_is_caught(checkout):
+    checkout.edit("workflow/claims.yaml", "expected: 0.70710678", "expected: 1.70710678")
+    report = checkout.verify()
+    (finding,) = find(report, "claim quads-are-well-shaped")
+    assert finding.outcome is DIFFERENT
+    assert "a margin of -" in finding.found
+
+
+def test_deleted_and_swapped_outputs_are_caught(project):
+    deleted = ["results/gap/mesh.vtu", "results/tables/claims.csv"]
+    swapped = ["results/ring/figures/panels.png", "results/ring/figures/temperature.png"]
+    for file in deleted:
+        (project / file).unlink()
+    contents = [(project / file).read_bytes() for file in swapped]
+    for file, content in zip(swapped, reversed(contents), strict=True):
+        project.write(file, content)
+    report = project.verify()
+    assert {find(report, file)[0].found for file in deleted} == {"not there"}
+    assert all(find(report, file)[0].outcome is DIFFERENT for file in deleted + swapped)
+
+
+def test_missing_steps_and_another_lock_cannot_be_told(project):
+    shutil.rmtree(project / f"{RECORDS}/ring")
+    (project / "results/lock.json").unlink()
+    report = project.verify()
+    assert report.verdict is CANNOT_TELL
+    assert report.outcomes["gap/mesh"] is SAME
+    assert report.outcomes["ring/mesh"] is CANNOT_TELL
+    assert all(f.remedy == project.plan().command for f in find(report, "provenance/ring"))
+    assert "tusqh lock" in find(report, "results/lock.json")[0].remedy
+
+
+@pytest.mark.parametrize("folder", ["results", RECORDS])
+def test_without_results_or_records_nothing_can_be_told(project, folder):
+    shutil.rmtree(project / folder)
+    report = project.verify()
+    assert report.verdict is CANNOT_TELL
+    assert set(report.outcomes.values()) == {CANNOT_TELL}
+
+
+def test_what_means_nothing_in_the_code_is_not_caught(checkout):
+    checkout.edit("tusqh/grid.py", "import numpy as np", "import numpy as np  # the arrays")
+    checkout.edit("tusqh/grid.py", '"""', '"""Really: ')
+    checkout.edit("workflow/scripts/mesh.py", "import json", "# what\n\nimport json")
+    checkout.edit("workflow/rules/mesh.smk", "rule mesh:", "# the mesh\nrule mesh:")
+    checkout.edit("workflow/claims.yaml", "- id: quads", "# squares\n- id: quads")
+    checkout.edit("README.md", "# Tusqh", "# Tusqh!")
+    report = checkout.verify()
+    assert report.verdict is SAME, merge(report.findings)
+
+
+def test_what_means_nothing_in_the_results_is_not_caught(project):
+    project.edit("config/config.yaml", "{cells: 12}", "{cells: 12.0}")
+    project.edit("config/config.yaml", "sweep_3d: [0.5, 1.0]", "sweep_3d: [0.5, 1]")
+    project.edit("config/config.yaml", "threshold: 0.5", "threshold: 5.0e-1")
+    project.edit(f"{RECORDS}/gap/mesh.how.json", '"host"', '"machine"')
+    for path in project.folder.rglob("*"):
+        if path.is_file():
+            os.utime(path)
+    shutil.copytree(project / f"{RECORDS}/gap", project / f"{RECORDS}/old")
+    report = project.verify()
+    assert report.verdict is SAME, merge(report.findings)
+    assert any("no longer has" in f.found for f in report.findings), "a remark, no more"
