@@ -25,7 +25,7 @@ rule all:
         expand("results/{model}/explorer.html", model=MODELS),
         "results/report/index.html",
         paper_targets(),
-        CRATE,
+        "results/ro-crate-metadata.json",
 
 
 include: "workflow/rules/ingest.smk"

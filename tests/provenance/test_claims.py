@@ -37,7 +37,7 @@ def folder(tmp_path):
 
 def evaluate(folder, **changes):
     claim = {key: value for key, value in (CLAIM | changes).items() if value is not None}
-    return evaluate_claims([claim], folder).iloc[0]
+    return evaluate_claims([claim], folder, tables=[CLAIM["table"]]).iloc[0]
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def test_what_cannot_be_tested_is_a_row(folder):
     no_rows = evaluate(folder, rows="scheme == 'c'")
     no_table = evaluate(folder, table="results/other.csv")
     never = {"id": "x", "statement": "s", "section": "1", "cannot_be_tested": "No scan."}
-    row = evaluate_claims([never], folder).iloc[0]
+    row = evaluate_claims([never], folder, tables=[]).iloc[0]
     assert list(row.index) == COLUMNS
     assert row["explanation"] == "No scan."
     assert {no_rows["status"], no_table["status"], row["status"]} == {"cannot be tested"}

@@ -184,9 +184,9 @@ def test_another_version_of_a_package_is_caught(project, monkeypatch):
 
 
 def test_a_claim_made_false_is_caught(checkout):
-    checkout.edit("workflow/claims.yaml", "expected: 1.0e-8", "expected: -1.0e-8")
+    checkout.edit("workflow/claims.yaml", "expected: 0.70710678", "expected: 1.70710678")
     report = checkout.verify()
-    (finding,) = find(report, "claim mass-is-conserved")
+    (finding,) = find(report, "claim quads-are-well-shaped")
     assert finding.outcome is DIFFERENT
     assert "a margin of -" in finding.found
 
@@ -228,7 +228,7 @@ def test_what_means_nothing_in_the_code_is_not_caught(checkout):
     checkout.edit("tusqh/grid.py", '"""', '"""Really: ')
     checkout.edit("workflow/scripts/mesh.py", "import json", "# what\n\nimport json")
     checkout.edit("workflow/rules/mesh.smk", "rule mesh:", "# the mesh\nrule mesh:")
-    checkout.edit("workflow/claims.yaml", "- id: mass", "# heat, too\n- id: mass")
+    checkout.edit("workflow/claims.yaml", "- id: quads", "# squares\n- id: quads")
     checkout.edit("README.md", "# Tusqh", "# Tusqh!")
     report = checkout.verify()
     assert report.verdict is SAME, merge(report.findings)

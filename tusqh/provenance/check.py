@@ -235,7 +235,7 @@ def _check_source(
             f"{short(registered)}, as {REGISTER} says",
             f"restore the source file, or correct {REGISTER}",
         )
-    elif not registered and path != str(REGISTER):
+    elif not registered and not _is_of_project(path, plan):
         yield Finding(
             SAME,
             step.key,
@@ -246,6 +246,11 @@ def _check_source(
         )
     if found == digest and entry["size"] != locate(path).stat().st_size:
         yield _edited_size(plan, step, entry)
+
+
+def _is_of_project(path: str, plan: Plan) -> bool:
+    """Tell whether a source is no data: the register itself, a template of the workflow."""
+    return path == str(REGISTER) or Path(path).resolve().is_relative_to(plan.base / "workflow")
 
 
 def _edited_size(plan: Plan, step: Step, entry: dict[str, Any]) -> Finding:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -66,7 +67,7 @@ def load_claims(path: Path, schema_path: Path) -> list[Claim]:
     return list(claims)
 
 
-def evaluate_claims(claims: list[Claim], folder: Path) -> pd.DataFrame:
+def evaluate_claims(claims: list[Claim], folder: Path, *, tables: Collection[str]) -> pd.DataFrame:
     """Return one row per claim, with what its table says today.
 
     Parameters
@@ -75,6 +76,8 @@ def evaluate_claims(claims: list[Claim], folder: Path) -> pd.DataFrame:
         As `load_claims` returns them.
     folder
         The folder that the names of tables are relative to.
+    tables
+        The tables that there are; claims about others cannot be tested.
 
     Returns
     -------
@@ -87,16 +90,16 @@ def evaluate_claims(claims: list[Claim], folder: Path) -> pd.DataFrame:
     ConfigError
         A table has no such column, or a query makes no sense for it.
     """
-    return pd.DataFrame([_evaluate(claim, folder) for claim in claims], columns=COLUMNS)
+    return pd.DataFrame([_evaluate(claim, folder, tables) for claim in claims], columns=COLUMNS)
 
 
-def _evaluate(claim: Claim, folder: Path) -> dict[str, Any]:
+def _evaluate(claim: Claim, folder: Path, tables: Collection[str]) -> dict[str, Any]:
     row = {key: claim.get(key, "") for key in COLUMNS} | {"margin": math.nan}
     if "cannot_be_tested" in claim:
         return row | {"status": CANNOT_BE_TESTED, "explanation": claim["cannot_be_tested"]}
     tolerance = float(claim.get("tolerance", 0))
     row |= {"expected": json.dumps(claim["expected"]), "tolerance": tolerance}
-    if not (folder / claim["table"]).is_file():
+    if claim["table"] not in tables:
         return row | {
             "status": CANNOT_BE_TESTED,
             "explanation": "no step of this configuration makes the table",

@@ -71,6 +71,8 @@ class Comparison:
         if digest == entry["sha256"]:
             return Equality.EXACT, ""
         kind = Equality(entry["class"])
+        if kind is Equality.MEASURED:
+            return kind, ""
         if kind is Equality.VISUAL:
             others = [source for source in step.inputs if self.reach(source)[0] is None]
             return (None, f"drawn from another {others[0]}") if others else (kind, "")

@@ -19,6 +19,8 @@ class Equality(StrEnum):
     NUMERIC = "numeric"
     #: Drawn from equal sources: figures, and pages that show them.
     VISUAL = "visual"
+    #: Measured anew every time: seconds.  Whatever they are, they are reported so.
+    MEASURED = "measured"
 
 
 #: Largest difference of real numbers, relative to the largest of their column or field.
@@ -26,6 +28,7 @@ TOLERANCE = {Equality.CANONICAL: 1e-9, Equality.NUMERIC: 1e-6}
 
 #: The class of every output, by the first pattern that fits; all others are exact.
 CLASSES = [
+    ("*_timing.csv", Equality.MEASURED),
     ("*.png", Equality.VISUAL),
     ("*.svg", Equality.VISUAL),
     ("*.pdf", Equality.VISUAL),

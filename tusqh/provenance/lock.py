@@ -17,7 +17,7 @@ from tusqh.atomic import write_text
 from tusqh.errors import ConfigError
 from tusqh.provenance.content import read_content
 from tusqh.provenance.environment import describe_platform, installed_versions
-from tusqh.provenance.equality import Equality, class_of
+from tusqh.provenance.equality import TOLERANCE, class_of
 from tusqh.provenance.hashing import canonical_json
 from tusqh.provenance.plan import Plan
 from tusqh.provenance.stored import Record, read_code_list
@@ -59,7 +59,7 @@ def make_lock(plan: Plan, records: dict[str, Record]) -> dict[str, Any]:
 def _entry(path: str, digest: str) -> dict[str, Any]:
     kind = class_of(path)
     entry: dict[str, Any] = {"class": str(kind), "sha256": digest}
-    content = None if kind in (Equality.EXACT, Equality.VISUAL) else read_content(Path(path))
+    content = read_content(Path(path)) if kind in TOLERANCE else None
     return entry if content is None else entry | {"content": content.to_dict()}
 
 

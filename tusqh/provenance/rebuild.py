@@ -75,7 +75,9 @@ def _compare(model: str, folder: Path, plan: Plan, records: dict[str, Record]) -
         for path in step.outputs:
             new, old = hash_file(folder / path), record.outputs.get(path, "")
             kind = Equality.EXACT if new == old else None
-            if kind is None and class_of(path) is Equality.VISUAL:
+            if kind is None and class_of(path) is Equality.MEASURED:
+                kind = Equality.MEASURED
+            elif kind is None and class_of(path) is Equality.VISUAL:
                 same = all(classes.get(source, Equality.EXACT) for source in step.inputs)
                 kind = Equality.VISUAL if same else None
             elif kind is None and Path(path).is_file():

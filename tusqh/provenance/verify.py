@@ -22,6 +22,8 @@ from tusqh.provenance.stored import Record
 #: The step whose parameters are the claims, and its table.
 _CLAIMS = "claims"
 _CLAIMS_TABLE = "results/tables/claims.csv"
+#: How the findings about claims that fail begin.
+_CLAIM = "claim "
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,10 @@ class Report:
         n_steps, grave = len(self.outcomes), self.verdict
         if grave is Outcome.SAME:
             return f"all {n_steps} steps are as recorded, as locked, and as they would be today"
-        n = sum(finding.outcome is grave for finding in merge(self.findings))
+        found = [finding for finding in merge(self.findings) if finding.outcome is grave]
+        if all(finding.file.startswith(_CLAIM) for finding in found):
+            return f"the results are the same, but {len(found)} of their claims fail"
+        n = len(found)
         what = "things differ" if grave is DIFFERENT else "things cannot be compared"
         return f"{n} {what.replace('things', 'thing') if n == 1 else what}, of {n_steps} steps"
 
@@ -144,12 +149,12 @@ def _check_claims(plan: Plan, records: dict[str, Record]) -> Iterator[Finding]:
         for claim in step.parameters["claims"]
         if (table := claim.get("table")) is None or digest_now(table) == recorded.get(table, "")
     ]
-    today = evaluate_claims(claims, Path())
+    today = evaluate_claims(claims, Path(), tables=step.inputs)
     for row in today[today["status"] == FAILS].to_dict("records"):
         yield Finding(
             DIFFERENT,
             step.key,
-            f"claim {row['id']}",
+            f"{_CLAIM}{row['id']}",
             f"{row['found']} in {row['table']}, a margin of {row['margin']:.3g}",
             f"{row['relation']} {row['expected']}: {row['statement']}",
             f"tusqh trace {row['table']}, and read workflow/claims.yaml",

@@ -1,7 +1,7 @@
 # The validated configuration and the few functions that read it; no other file does.
+import os
 from pathlib import Path
 
-import yaml
 from snakemake.exceptions import WorkflowError
 
 from tusqh.config import load_config
@@ -9,17 +9,11 @@ from tusqh.errors import TusqhError
 from tusqh.geometry.files import PACKAGE, dimension_of
 from tusqh.provenance.claims import load_claims
 from tusqh.provenance.code import code_fingerprint, list_code
-from tusqh.provenance.content import read_content
-from tusqh.provenance.hashing import hash_value
-from tusqh.provenance.register import read_register
 from tusqh.quality.system_libraries import describe_missing
 from tusqh.report import picture_name
 
 BASE = Path(workflow.basedir)
 SCRIPTS = set()
-CITATION = yaml.safe_load((BASE / "CITATION.cff").read_text("utf-8"))
-ABOUT = {key: CITATION[key] for key in ("title", "version", "license", "date-released")}
-ABOUT["authors"] = ", ".join(author["name"] for author in CITATION["authors"])
 ENVIRONMENT = "../../environment.yml"
 FIGURES = {
     2: ["field", "thresholds", "diagram", "curves", "antialias", "contaminant"],
@@ -46,15 +40,6 @@ PAGE_LINKS = {
 }
 PAPER_MODELS = {"chesapeake", "bearings", "dragon"}
 PEERS = ["tusqh", "automesh", "pytetwild", "pyvista", "trimesh"]
-CRATE = "results/ro-crate-metadata.json"
-WORKFLOW_FILES = [
-    "Snakefile",
-    *sorted(
-        path.relative_to(BASE).as_posix()
-        for pattern in ("rules/*.smk", "scripts/*.py")
-        for path in (BASE / "workflow").glob(pattern)
-    ),
-]
 EXPORTS = ["mesh.mesh", "mesh.msh", "mesh.exo", "mesh.inp"]
 
 try:
@@ -114,7 +99,7 @@ def geometry_of(wildcards):
 
 def source_of(path):
     """Return a file of the workflow, relative to where it runs, so that records are the same."""
-    return os.path.relpath(Path(workflow.basedir) / "workflow" / path)
+    return os.path.relpath(BASE / "workflow" / path)
 
 
 def any_of(dimension):
@@ -138,7 +123,7 @@ def register_if_there():
 
 
 def captions():
-    """Return the texts of figures by their name, the same wherever the workflow runs."""
+    """Return the texts of figures by name, as Snakemake's own report has them."""
     files = sorted((BASE / "workflow/report").glob("*.rst"))
     return {path.stem: path.read_text("utf-8").strip() for path in files}
 
@@ -149,29 +134,3 @@ def paper_targets():
         return []
     stability = expand("results/{model}/figures/stability.png", model=MODELS)
     return ["results/page/results.md", *THEORY, *stability]
-
-
-def claim_tables():
-    """Return the tables that decide claims, less those of models and studies that are not here."""
-    tables = {Path(claim["table"]) for claim in CLAIMS if "table" in claim}
-    here = {Path("results/tables/summary.csv"), Path("results/tables/verification.csv")}
-    if PAPER_MODELS <= set(MODELS):
-        here = {table for table in tables if table.parts[1] == "tables"}
-    return sorted(str(t) for t in tables if t in here or t.parts[1] in MODELS)
-
-
-def everything_else(wildcards):
-    """Return all that the workflow makes by default, but its description as an RO-Crate."""
-    return [path for path in rules.all.input if path != CRATE]
-
-
-def workflow_fingerprint(wildcards):
-    """Return a digest of the workflow's files, comments aside."""
-    return hash_value([read_content(BASE / file).skeleton for file in WORKFLOW_FILES])
-
-
-def sources(wildcards):
-    """Return the rows of the register of data for the geometries of all models."""
-    register = read_register(Path(), BASE)
-    geometries = sorted({model["geometry"] for model in MODELS.values()})
-    return {path: register[path] for path in geometries if path in register}

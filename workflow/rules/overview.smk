@@ -19,7 +19,7 @@ rule overview:
         record_how="results/provenance/overview.how.json",
     params:
         code=code_of("overview"),
-        models=list(MODELS),
+        models=GEOMETRY,
         links=PAGE_LINKS,
         captions=captions(),
     log:
