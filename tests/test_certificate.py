@@ -5,7 +5,7 @@ import json
 import jsonschema
 import numpy as np
 import pytest
-from conftest import random_fractions
+from fields import random_fractions
 from typer.testing import CliRunner
 
 from tusqh.antialias.cells import CellSets

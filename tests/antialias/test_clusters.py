@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from conftest import make_fractions
+from fields import make_fractions
 
 from tusqh.antialias.clusters import (
     CONNECT,

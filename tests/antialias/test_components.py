@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from conftest import make_fractions, random_fractions
+from fields import make_fractions, random_fractions
 
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.policy import Criteria, Policy

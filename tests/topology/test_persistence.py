@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import make_fractions, random_fractions
+from fields import make_fractions, random_fractions
 
 from tusqh.errors import TopologyError
 from tusqh.topology.curves import betti_curves
