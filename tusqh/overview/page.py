@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import os
 from collections.abc import Mapping, Sequence
@@ -46,12 +47,11 @@ def render_overview(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     environment.filters["cells"] = _to_cells
-    template = resources.files("tusqh.overview").joinpath("overview.html.j2").read_text("utf-8")
 
     def link(path: Path) -> str:
         return quote(Path(os.path.relpath(path, page.parent)).as_posix())
 
-    return environment.from_string(template).render(
+    return environment.from_string(_read_template()).render(
         models=models,
         tables={title: (path, pd.read_csv(path)) for title, path in tables.items()},
         figures=figures,
@@ -59,6 +59,15 @@ def render_overview(
         link=link,
         max_rows=MAX_ROWS,
     )
+
+
+def template_fingerprint() -> str:
+    """Return the SHA-256 of the template: the page is made anew when it changes."""
+    return hashlib.sha256(_read_template().encode()).hexdigest()
+
+
+def _read_template() -> str:
+    return resources.files("tusqh.overview").joinpath("overview.html.j2").read_text("utf-8")
 
 
 def _to_cells(table: pd.DataFrame) -> list[list[str]]:

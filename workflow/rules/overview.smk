@@ -1,3 +1,6 @@
+from tusqh.overview.page import template_fingerprint
+
+
 # results/report/index.html: all models on one page.  Give more tables or figures to show more.
 rule overview:
     input:
@@ -10,7 +13,7 @@ rule overview:
         verification=expand("results/{model}/verification.csv", model=MODELS),
         linked=expand("results/{model}/{file}", model=MODELS, file=PAGE_LINKS.values()),
         figures=figures_of_all_models(),
-        tables=["results/tables/summary.csv"],
+        tables=["results/tables/summary.csv", "results/tables/claims.csv"],
         shared=["results/figures/pinches.png"],
         register=register_if_there(),
     output:
@@ -19,6 +22,7 @@ rule overview:
         record_how="results/provenance/overview.how.json",
     params:
         code=code_of("overview"),
+        template=template_fingerprint(),
         models=GEOMETRY,
         links=PAGE_LINKS,
         captions=captions(),
