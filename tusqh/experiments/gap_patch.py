@@ -87,7 +87,8 @@ def measure_widths(
     return widths[..., _CLOSED_BY], widths[..., _OPEN_BY]
 
 
-@njit(cache=True, parallel=True)
+# Not cached: numba's cache does not notice a change of `critical_width` in its own file.
+@njit(parallel=True)
 def _measure(
     normals: FloatArray, offsets: FloatArray, distances: FloatArray, length: int
 ) -> FloatArray:
@@ -100,7 +101,7 @@ def _measure(
     return widths
 
 
-@njit(cache=True)
+@njit
 def _measure_patch(
     normal: FloatArray, offset: float, distances: FloatArray, length: int, widths: FloatArray
 ) -> None:
