@@ -101,7 +101,7 @@ def _measure(
     return widths
 
 
-@njit
+@njit(cache=False)
 def _measure_patch(
     normal: FloatArray, offset: float, distances: FloatArray, length: int, widths: FloatArray
 ) -> None:
