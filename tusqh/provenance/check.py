@@ -223,7 +223,7 @@ def _check_source(
             step.key,
             path,
             short(found) if found else _NOT_THERE,
-            f"{short(digest)}, as {step.key} read it",
+            f"{short(digest)}, as the step read it",
             f"restore the source file, or {plan.command}",
         )
     elif registered and registered != digest:

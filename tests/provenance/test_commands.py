@@ -1,0 +1,124 @@
+"""The commands as a person runs them: what they print, and with which exit code they end."""
+
+import json
+import shutil
+
+import pytest
+from typer.testing import CliRunner
+
+from tusqh.cli.app import app
+from tusqh.errors import ProvenanceError
+from tusqh.provenance import rebuild
+
+FIGURE = "results/gap/figures/diagram.png"
+
+
+@pytest.fixture
+def run(project):
+    """Run a command, and return exit code and what it prints without line breaks."""
+
+    def run(*arguments, options=True):
+        options = ["--snakefile", str(project.snakefile)] if options else []
+        done = CliRunner(env={"COLUMNS": "400"}).invoke(app, [*arguments, *options])
+        if isinstance(done.exception, ProvenanceError):
+            raise done.exception
+        return done.exit_code, done.output
+
+    return run
+
+
+def test_verify_says_same_different_and_cannot_tell(project, run):
+    code, text = run("verify")
+    assert code == 0
+    assert "same: all" in text
+    assert "recording took" in text
+    project.flip(FIGURE)
+    code, text = run("verify")
+    assert code == 1
+    assert f"different: {FIGURE} (gap/figure_diagram)" in text
+    assert f"--force -- {FIGURE}" in text
+    shutil.rmtree(project / "results/provenance")
+    code, text = run("verify")
+    assert code == 2
+    assert "cannot tell" in text
+
+
+def test_verify_prints_json(project, run):
+    project.flip(FIGURE)
+    code, text = run("verify", "--json")
+    report = json.loads(text[text.index("{") :])
+    assert (code, report["exit_code"], report["verdict"]) == (1, 1, "different")
+    (finding,) = [f for f in report["findings"] if f["outcome"] == "different"]
+    assert finding["file"] == FIGURE
+    outcomes = {row["step"]: row for row in report["steps"]}
+    assert outcomes["gap/mesh"] == {"step": "gap/mesh", "outcome": "same", "equality": "exact"}
+    assert 0 < report["recording_share"] < 0.5
+
+
+def test_lock_refuses_what_is_not_as_recorded_and_says_what_changed(project, run):
+    before = (project / "results/lock.json").read_bytes()
+    project.flip(FIGURE)
+    with pytest.raises(ProvenanceError, match=r"diagram\.png"):
+        run("lock")
+    assert (project / "results/lock.json").read_bytes() == before
+    project.flip(FIGURE)
+    code, text = run("lock")
+    assert code == 0
+    assert "changed" not in text
+    assert (project / "results/lock.json").read_bytes() == before, "the same results, the same lock"
+    (project / "results/lock.json").unlink()
+    assert f"added  {FIGURE}" in run("lock")[1]
+
+
+def test_trace_leads_to_the_register(run):
+    code, text = run("trace", FIGURE, options=False)
+    assert code == 0
+    for part in ("gap/figure_diagram", "gap/sample", "data_sources/gap.svg", "BSD-3-Clause"):
+        assert part in text
+
+
+def test_trace_knows_a_figure_found_elsewhere(project, run, tmp_path):
+    slide = tmp_path / "slide.png"
+    content = (project / FIGURE).read_bytes()
+    slide.write_bytes(content)
+    assert "the same bytes" in run("trace", str(slide), options=False)[1]
+    # Saved again by another program, which keeps texts.
+    slide.write_bytes(content[:-12] + b"\0\0\0\1tEXtx\0\0\0\0" + content[-12:])
+    code, text = run("trace", str(slide), options=False)
+    assert code == 0
+    assert f"{slide} is {FIGURE}: other bytes, drawn from the same sources" in text
+
+
+def test_trace_says_when_something_behind_has_changed(project, run):
+    project.flip("results/gap/fractions.npz")
+    code, text = run("trace", FIGURE, options=False)
+    assert code == 1
+    assert "changed since: results/gap/fractions.npz" in text
+
+
+def test_trace_of_a_stranger(run, tmp_path):
+    (tmp_path / "stranger.png").write_bytes(b"\x89PNG\r\n\x1a\n")
+    with pytest.raises(ProvenanceError, match="no record knows"):
+        run("trace", str(tmp_path / "stranger.png"), options=False)
+
+
+def test_rebuild_compares_what_was_made_anew(project, run, monkeypatch):
+    def copy_but_one(plan, folder, targets):
+        for target in targets:
+            (folder / target).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(target, folder / target)
+        (folder / "results/gap/plateaus.csv").write_text("upper,lower\n")
+
+    monkeypatch.setattr(rebuild, "_run", copy_but_one)
+    code, text = run("verify", "--rebuild", "gap")
+    assert code == 1
+    assert "different: results/gap/plateaus.csv (gap/persistence)" in text
+    with pytest.raises(ProvenanceError, match="there is no model 'gaps'"):
+        run("verify", "--rebuild", "gaps")
+
+
+@pytest.mark.slow
+def test_rebuild_for_real(run):
+    code, text = run("verify", "--rebuild", "gap")
+    assert code == 0
+    assert "exact" in text

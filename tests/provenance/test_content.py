@@ -1,0 +1,153 @@
+"""What files say, and how equal two of them are."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from tusqh.antialias.clusters import decide_by_vote
+from tusqh.antialias.pinches import find_pinches
+from tusqh.antialias.resolve import resolve
+from tusqh.grid import BackgroundGrid
+from tusqh.meshes.export import write_vtu
+from tusqh.meshes.formats import write_mesh
+from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.provenance.content import Content, Numbers, read_content, sketch
+from tusqh.provenance.equality import Equality, class_of, reached
+
+
+def compare(one, other, required=Equality.NUMERIC):
+    return reached(required, read_content(one), read_content(other))
+
+
+@pytest.mark.parametrize(
+    ("text", "equality"),
+    [
+        ("name,x,n\na,1.5,1\nb,2.5e3,2\n", "canonical"),
+        ("name,x,n\nb,2500.0,2\na,1.50,1\n", "canonical"),
+        ("name,x,n\na,1.5000000000001,1\nb,2.5e3,2\n", "canonical"),
+        ("name,x,n\na,1.5000001,1\nb,2.5e3,2\n", "numeric"),
+        ("name,x,n\na,1.50001,1\nb,2.5e3,2\n", None),
+        ("name,x,n\na,1.5,2\nb,2.5e3,2\n", None),
+        ("name,x,n\na,1.5,1\n", None),
+        ("name,y,n\na,1.5,1\nb,2.5e3,2\n", None),
+        ("name,x,n\na,nan,1\nb,2.5e3,2\n", None),
+    ],
+)
+def test_tables(tmp_path, text, equality):
+    (tmp_path / "a.csv").write_text("name,x,n\na,1.5,1\nb,2.5e3,2\n")
+    (tmp_path / "b.csv").write_text(text)
+    assert compare(tmp_path / "a.csv", tmp_path / "b.csv") == equality
+
+
+def test_a_stricter_class_does_not_fall_back(tmp_path):
+    for name, number in (("a", "1.5"), ("b", "1.5000001")):
+        (tmp_path / f"{name}.csv").write_text(f"x\n{number}\n")
+    paths = (tmp_path / "a.csv", tmp_path / "b.csv")
+    assert compare(*paths) == "numeric"
+    assert compare(*paths, Equality.CANONICAL) is None
+    assert compare(*paths, Equality.EXACT) is None
+
+
+def test_rounding_errors_in_columns_of_errors_are_no_difference(tmp_path):
+    for name, number in (("a", "1e-16"), ("b", "3e-16")):
+        (tmp_path / f"{name}.csv").write_text(f"relative_error,x\n{number},1.0\n")
+        (tmp_path / f"other_{name}.csv").write_text(f"x\n{number}\n")
+    assert compare(tmp_path / "a.csv", tmp_path / "b.csv") == "canonical"
+    assert compare(tmp_path / "other_a.csv", tmp_path / "other_b.csv") is None
+
+
+@pytest.fixture(params=[2, 3], ids=["quads", "hexes"])
+def mesh(request):
+    rng = np.random.default_rng(1)
+    shape = (6, 5, 4)[: request.param]
+    kept = rng.random(shape) < 0.6
+    pinches = find_pinches(kept)
+    decisions = decide_by_vote(pinches, rng.random(pinches.shape) < 0.5)
+    grid = BackgroundGrid(shape=shape, cell_size=0.1, origin=(1e3, -2.0, 7.0)[: request.param])
+    return resolve(kept, decisions, grid, name="noise")[0]
+
+
+def renumbered(mesh, rng, noise=0.0):
+    order, cells = rng.permutation(len(mesh.points)), rng.permutation(mesh.n_cells)
+    new_number = np.argsort(order)
+    return VolumeMesh(
+        points=mesh.points[order] * (1 + noise),
+        cells=new_number[mesh.cells][cells],
+        kind=mesh.kind[cells],
+        grid_cell=mesh.grid_cell[cells],
+        name=mesh.name,
+    )
+
+
+@pytest.mark.parametrize("suffix", [".vtu", ".msh", ".exo"])
+def test_a_mesh_is_the_same_however_it_is_numbered(mesh, tmp_path, suffix):
+    rng = np.random.default_rng(0)
+    moved = mesh.points.copy()
+    moved[3] += 0.01
+    others = {
+        "same": mesh,
+        "renumbered": renumbered(mesh, rng),
+        "noise": renumbered(mesh, rng, noise=1e-13),
+        "moved": VolumeMesh(moved, mesh.cells, mesh.kind, mesh.grid_cell, mesh.name),
+        "cut": VolumeMesh(
+            mesh.points, mesh.cells[1:], mesh.kind[1:], mesh.grid_cell[1:], mesh.name
+        ),
+    }
+    write = write_vtu if suffix == ".vtu" else write_mesh
+    for name, other in others.items():
+        write(tmp_path / f"{name}{suffix}", other)
+    found = {
+        name: compare(tmp_path / f"same{suffix}", tmp_path / f"{name}{suffix}", Equality.CANONICAL)
+        for name in others
+    }
+    same = dict.fromkeys(("same", "renumbered", "noise"), Equality.CANONICAL)
+    assert found == same | {"moved": None, "cut": None}
+
+
+def test_arrays_do_not_depend_on_their_compression(tmp_path):
+    values = np.arange(1000)
+    np.savez(tmp_path / "a.npz", values=values)
+    np.savez_compressed(tmp_path / "b.npz", values=values)
+    values[500] += 1
+    np.savez(tmp_path / "c.npz", values=values)
+    assert compare(tmp_path / "a.npz", tmp_path / "b.npz") == "canonical"
+    assert compare(tmp_path / "a.npz", tmp_path / "c.npz") is None
+
+
+@given(
+    arrays.arrays(np.float64, st.integers(0, 300), elements=st.floats(-1e3, 1e3)),
+    st.integers(0, 299),
+    st.floats(1e-3, 1),
+)
+def test_one_changed_number_changes_the_sketch_by_as_much(numbers, index, change):
+    if index >= len(numbers):
+        return
+    other = numbers.copy()
+    other[index] += change
+    difference = np.abs(sketch(other) - sketch(numbers))
+    assert difference.max() >= change * (1 - 1e-6)
+    assert Numbers.of(numbers).difference(Numbers.of(numbers.copy())) == 0
+    assert Numbers.of(numbers).difference(Numbers.of(other)) > 0
+
+
+def test_contents_survive_the_lock(tmp_path):
+    (tmp_path / "a.csv").write_text("x,y\n1.5,inf\n0.1,nan\n" + "0.25,1\n" * 30)
+    content = read_content(tmp_path / "a.csv")
+    assert Content.from_dict(content.to_dict()).difference(content)[0] < 1e-11
+
+
+@pytest.mark.parametrize(
+    ("path", "equality"),
+    [
+        ("results/bay/plateaus.csv", "exact"),
+        ("results/bay/diagram.csv", "canonical"),
+        ("results/bay/simulation/concentration_00001.vtu", "numeric"),
+        ("results/bay/sweep/0.5.vtu", "canonical"),
+        ("results/figures/pinches.png", "visual"),
+        ("results/tables/peers_timing.csv", "measured"),
+    ],
+)
+def test_every_output_has_its_class(path, equality):
+    assert class_of(path) == equality
