@@ -310,7 +310,9 @@ def recommend_grid(stability: pd.DataFrame, table: pd.DataFrame) -> pd.DataFrame
     for scheme in SCHEMES:
         of_scheme = stability[stability["scheme"] == scheme]
         of_scheme = of_scheme.sort_values(["cells", "threshold"])
-        share = of_scheme["wanted"].fillna(of_scheme["agreement"])
+        # That no cell is kept is robust too, but nobody wants it.
+        agreement = of_scheme["agreement"].where(of_scheme["betti_0"] > 0, 0.0)
+        share = of_scheme["wanted"].fillna(agreement)
         is_robust = share >= ROBUST
         cells = of_scheme["cells"][is_robust].min() if is_robust.any() else None
         if cells is None:

@@ -28,7 +28,7 @@ def draw_orientation(spread: pd.DataFrame, pooled: pd.DataFrame) -> Figure:
         See `tusqh.experiments.orientation.measure_spread`, with the columns is_chosen and
         is_finest.
     pooled
-        See `tusqh.experiments.orientation.pool_spreads`.
+        See `tusqh.experiments.orientation.pool_spreads`, with the column choice.
     """
     chosen = spread[spread["is_chosen"] & spread["is_finest"]]
     models = list(dict.fromkeys(chosen["model"]))
@@ -42,7 +42,8 @@ def draw_orientation(spread: pd.DataFrame, pooled: pd.DataFrame) -> Figure:
         look = {"ls": "", "marker": marker, "color": colour, "label": scheme}
         axes[0, 0].plot(of_scheme["spread"], at + shift, **look)
         axes[0, 2].plot(of_scheme["agreement"], at + shift, **look)
-        last = pooled[pooled["scheme"] == scheme].sort_values("grid_rank").iloc[0]
+        of_pool = pooled[(pooled["scheme"] == scheme) & (pooled["choice"] == "chosen")]
+        last = of_pool.sort_values("grid_rank").iloc[0]
         values = np.append(of_scheme["shrinks"], last["shrinks"])
         ends = np.stack([np.append(of_scheme[end], last[end]) for end in ("low", "high")])
         axes[0, 1].errorbar(
@@ -58,7 +59,9 @@ def draw_orientation(spread: pd.DataFrame, pooled: pd.DataFrame) -> Figure:
     axes[0, 1].set_xlim(-1.05, 1.05)
     axes[0, 0].set_xscale("symlog", linthresh=1)
     axes[0, 0].set_xlabel("spread of Betti numbers [-]")
-    axes[0, 1].set_xlabel("share by which the spread shrinks [-],\n95 % bootstrap interval")
+    axes[0, 1].set_xlabel(
+        "share by which the spread shrinks [-],\n95 % bootstrap interval; below -1 not shown"
+    )
     axes[0, 2].set_xlabel("share of placements with the\nmost frequent topology [-]")
     for panel in axes[0]:
         panel.set_yticks(

@@ -17,7 +17,10 @@ with recorded(snakemake) as log:
     finest = spread.groupby("model")["cells"].transform("max")
     spread.insert(4, "is_finest", spread["cells"] == finest)
     write_csv(Path(snakemake.output.spread), spread)
-    write_csv(Path(snakemake.output.pooled), pool_spreads(tables, thresholds))
+    pooled = {"chosen": thresholds, "one half": dict.fromkeys(models, 0.5)}
+    pooled = {choice: pool_spreads(tables, at) for choice, at in pooled.items()}
+    pooled = pd.concat(pooled, names=["choice"]).reset_index(level="choice")
+    write_csv(Path(snakemake.output.pooled), pooled)
     for kind in ("stability", "recommended"):
         files = snakemake.input["stabilities" if kind == "stability" else kind]
         table = pd.concat(map(pd.read_csv, files), ignore_index=True)
