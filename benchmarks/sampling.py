@@ -230,8 +230,9 @@ def _draw(rows: pd.DataFrame, growth: pd.DataFrame) -> object:
             f"{row.model} {row.n}", (max(row.max_error, 1e-16), row.ratio), fontsize=7,
             xytext=(4, 3), textcoords="offset points",
         )  # fmt: skip
-    left.set(xscale="log", yscale="log", xlabel="largest error of a cell fraction")
-    left.set_ylabel("times faster than dense libigl")
+    left.set(xscale="log", yscale="log", xlabel="largest error of a cell fraction [-]")
+    left.set_xlim(1e-16, 1e-3)
+    left.set_ylabel("times faster than dense libigl [-]")
     left.axhline(1, color="0.5", linewidth=0.8)
     right.plot(
         growth["n"], growth["ours_seconds"], "o-", color=style.DIMENSION_COLOURS[0], label="seconds"
@@ -244,7 +245,9 @@ def _draw(rows: pd.DataFrame, growth: pd.DataFrame) -> object:
         label="peak GB",
     )
     right.set(xscale="log", yscale="log", xlabel="cells along the longest side of the bunny")
-    right.set_ylabel("seconds, GB")
+    right.set_ylabel("seconds [s], memory [GB]")
+    right.set_xticks(growth["n"], growth["n"].astype(str))
+    right.minorticks_off()
     right.legend()
     return figure
 
