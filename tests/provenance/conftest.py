@@ -1,6 +1,7 @@
 """A whole project, built once, that every test may spoil a copy of."""
 
 import shutil
+from pathlib import Path
 
 import pytest
 from small_project import Project, add_models, copy_checkout, snakemake
@@ -24,11 +25,16 @@ def built(repository, tmp_path_factory):
     return folder
 
 
+def _leave_out(folder, names):
+    """Name what Snakemake keeps for itself, which copies do not need."""
+    return {"log", "locks", "scripts"} & set(names) if Path(folder).name == ".snakemake" else set()
+
+
 @pytest.fixture
 def project(repository, built, tmp_path, monkeypatch):
     """A copy of the results, with the code of this repository."""
     folder = tmp_path / "elsewhere"
-    shutil.copytree(built, folder, ignore=shutil.ignore_patterns("log", "locks", "scripts"))
+    shutil.copytree(built, folder, ignore=_leave_out)
     monkeypatch.chdir(folder)
     return Project(folder, repository / "Snakefile")
 

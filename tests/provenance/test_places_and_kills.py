@@ -20,6 +20,9 @@ SURROUNDINGS = {
     "COLUMNS": "40",
 }
 
+#: Builds whole projects several times.
+pytestmark = pytest.mark.slow
+
 
 def kill(process):
     """Kill a process and all that it has started, without a chance to clean up."""
