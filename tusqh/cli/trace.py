@@ -29,12 +29,14 @@ def trace(
     Example: tusqh trace results/chesapeake/figures/diagram.png
     """
     from tusqh.geometry.packaged import PACKAGE
+    from tusqh.provenance.check import digest_now
     from tusqh.provenance.code import PACKAGE_ROOT
     from tusqh.provenance.register import read_register
     from tusqh.provenance.stored import read_records
     from tusqh.provenance.trace import find_output
     from tusqh.provenance.trace import trace as trace_file
 
+    digest_now.cache_clear()
     records = read_records()
     name = str(path)
     if not name.startswith(PACKAGE) and path.is_absolute() and path.is_relative_to(Path.cwd()):
