@@ -40,8 +40,6 @@ def test_the_stack_is_one_body_of_sand(example, tmp_path):
 
 
 def test_the_map_has_eight_islands(example, tmp_path):
-    pytest.importorskip("_plotly_geo")
-    pytest.importorskip("pyproj")
     plain, eight = example("shapefile_map").main(tmp_path)
     assert plain.report.measured.betti_0 == 7
     assert eight.report.measured == (8, 0, 0) == betti_by_boundary(eight.mesh)

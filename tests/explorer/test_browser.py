@@ -34,7 +34,7 @@ ATTACK = "</script><script>document.title = 'taken'</script><img src=x onerror=a
 def browser():
     found = [path for path in map(shutil.which, BROWSERS) if path]
     if not found:
-        pytest.skip(f"none of {', '.join(BROWSERS)} on the PATH: apt-get install chromium")
+        pytest.fail(f"none of {', '.join(BROWSERS)} on the PATH: apt-get install chromium")
     with sync_playwright() as playwright:
         opened = playwright.chromium.launch(executable_path=found[0], args=FLAGS)
         yield opened
