@@ -195,3 +195,11 @@ def test_what_cannot_be_reached_is_listed():
     with pytest.raises(TopologyError, match="no threshold gives betti_0 = 7") as caught:
         tusqh.mesh(FRAME, cells=12, betti=(7,))
     assert "betti_0 = 1, betti_1 = 1" in str(caught.value)
+
+
+def test_the_sampler_and_its_tolerance_can_be_chosen(torus):
+    ours = tusqh.mesh(torus, cells=10, tolerance=1e-9)
+    theirs = tusqh.mesh(torus, cells=10, sampler="libigl")
+    assert np.abs(ours.fractions.values - theirs.fractions.values).max() < 0.02
+    with pytest.raises(ConfigError, match="sampler"):
+        tusqh.mesh(torus, sampler="guess")

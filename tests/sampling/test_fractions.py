@@ -151,3 +151,9 @@ def test_the_sampler_libigl_agrees(square):
         sample_fractions(square, GRID).values,
         sample_fractions(square, GRID, sampler="libigl").values,
     )
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1e-6, 0.5, float("nan")])
+def test_tolerances_that_nothing_can_keep_are_refused(square, tolerance):
+    with pytest.raises(SamplingError, match=r"from 1e-12 to 0\.01"):
+        sample_fractions(square, GRID, tolerance=tolerance)

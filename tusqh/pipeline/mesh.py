@@ -16,6 +16,7 @@ from tusqh.pipeline.sample import sample
 from tusqh.pipeline.select import select
 from tusqh.pipeline.settings import GOALS, POLICY, SAMPLING, Betti, pick, to_settings
 from tusqh.progress import Progress, log_progress
+from tusqh.sampling.field import TOLERANCE, Sampler
 from tusqh.sampling.fractions import Domain, Orientation, Rule
 
 
@@ -33,6 +34,8 @@ def mesh(
     samples: int = 4,
     rule: Rule = "average",
     orientation: Orientation = "auto",
+    sampler: Sampler = "crossings",
+    tolerance: float = TOLERANCE,
     mixed_pinches: MixedPinches = "separate",
     bridges: BridgeMode = "forest",
     components: Mapping[str, Any] | None = None,
@@ -72,6 +75,10 @@ def mesh(
         ``"clamped"`` clips samples to [0, 1], right for parts that overlap.
     orientation
         ``"auto"`` turns geometries that are inside out; ``"as-is"``, ``"flip"``.
+    sampler
+        ``"crossings"`` counts crossings on the lattice, ``"libigl"`` asks libigl at every sample.
+    tolerance
+        Largest error of a fraction before it is rounded; of the sampler crossings.
     mixed_pinches
         What to do with adjacent pinches that disagree: ``"separate"``, ``"connect"`` or
         ``"majority"``.
@@ -127,6 +134,8 @@ def mesh(
         samples=samples,
         rule=rule,
         orientation=orientation,
+        sampler=sampler,
+        tolerance=tolerance,
         mixed_pinches=mixed_pinches,
         bridges=bridges,
         components=components,

@@ -12,6 +12,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
+from tusqh.errors import SamplingError
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.soup import Soup
 from tusqh.grid import FloatArray
@@ -25,6 +26,7 @@ Sampler = Literal["crossings", "libigl"]
 
 #: Largest error of a fraction by default, dimensionless: that of rounding to 2^-20.
 TOLERANCE = 1e-6
+_FINEST, _COARSEST = 1e-12, 0.01
 
 
 class WindingField(Protocol):
@@ -74,7 +76,19 @@ def make_field(
         ``"crossings"`` or ``"libigl"``.
     tolerance
         Largest error of a mean over a cell, dimensionless; libigl has none to set.
+
+    Raises
+    ------
+    SamplingError
+        A tolerance that is not between 1e-12 and 0.01, where rounding or the method ends.
     """
+    if not _FINEST <= tolerance <= _COARSEST:
+        raise SamplingError(
+            f"a tolerance of {tolerance:g}",
+            where="tolerance",
+            expected=f"a number from {_FINEST:g} to {_COARSEST:g}",
+            remedy="leave it out: 1e-6 is the rounding of fractions",
+        )
     if sampler == "libigl":
         return LibiglField(geometry)
     return CrossingField(*close(geometry), tolerance)
