@@ -69,7 +69,7 @@ def bunny():
 
 def test_the_bunny_is_closed_and_its_winding_number_an_integer(bunny):
     lattice = lattice_over(bunny, 12)
-    winding = wind_on_lattice(bunny, lattice)
+    winding = wind_on_lattice(make_field(bunny), lattice)
     assert set(np.unique(winding)) == {0.0, 1.0}
     assert np.array_equal(winding, exact(bunny, lattice).round())
 
@@ -90,7 +90,7 @@ def test_random_soups_with_every_kind_of_dirt(seed):
     moved = other.points * rng.uniform(0.3, 1.0, 3) + rng.normal(0, 0.4, 3)
     soup = soup_of(np.concatenate([one.points, moved]), faces)
     lattice = lattice_over(soup, 18)
-    assert np.abs(wind_on_lattice(soup, lattice) - exact(soup, lattice)).max() < 1e-6
+    assert np.abs(wind_on_lattice(make_field(soup), lattice) - exact(soup, lattice)).max() < 1e-6
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
@@ -123,7 +123,7 @@ def test_samples_on_faces_edges_and_corners_agree_along_each_line():
     box = trimesh.creation.box(extents=(2.0, 2.0, 2.0))
     ones, zero = np.ones(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
     lattice = Lattice(np.full(3, -2.0), 0.5, ones, 9 * ones, zero, 9 * ones)
-    winding = wind_on_lattice(soup_of(box.vertices, box.faces), lattice)
+    winding = wind_on_lattice(make_field(soup_of(box.vertices, box.faces)), lattice)
     assert set(np.unique(winding)) == {0.0, 1.0}
     assert (winding[3:6, 3:6, 3:6] == 1).all()
     assert winding[0].sum() == winding[-1].sum() == winding[:, :, 0].sum() == 0
@@ -139,7 +139,7 @@ def test_samples_in_the_plane_of_an_opening_see_half_of_it(missing):
     soup = soup_of(box.vertices, faces)
     ones, zero = np.ones(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
     lattice = Lattice(np.full(3, -2.0), 0.25, ones, 17 * ones, zero, 17 * ones)
-    winding, expected = wind_on_lattice(soup, lattice), exact(soup, lattice)
+    winding, expected = wind_on_lattice(make_field(soup), lattice), exact(soup, lattice)
     far = distance_to(soup, lattice) > 1e-9
     assert np.abs(winding - expected)[far].max() < 1e-9
     corners = np.asarray(box.vertices)[np.asarray(box.faces)[missing]]
@@ -190,7 +190,7 @@ def check_chain(geometry, dim, scale, shift):
     if dim == 2:
         origin[1], shape[1] = 0.0, 1
     lattice = Lattice(origin, scale, ones, shape, zero, shape)
-    winding, expected = wind_on_lattice(geometry, lattice), exact(geometry, lattice)
+    winding, expected = wind_on_lattice(make_field(geometry), lattice), exact(geometry, lattice)
     is_off = distance_to(geometry, lattice) > 1e-6 * scale
     assert np.abs(winding - expected)[is_off].max(initial=0.0) < 1e-6
 

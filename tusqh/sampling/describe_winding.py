@@ -7,7 +7,7 @@ import pandas as pd
 
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.closing import close
-from tusqh.sampling.field import TOLERANCE, CrossingField, Geometry
+from tusqh.sampling.field import TOLERANCE, CrossingField, Geometry, wind_on_lattice
 from tusqh.sampling.lattice import Lattice
 
 
@@ -38,10 +38,9 @@ def describe_winding(geometry: Geometry, *, n: int = 32) -> pd.DataFrame:
     grid = BackgroundGrid(shape=shape, cell_size=size, origin=low)
     # Two samples along a cell are the fewest that half-blocks allow; every second one is enough.
     lattice = Lattice.over_grid(grid, 2)
-    single = lattice.of_samples()
     cycle, cap = close(geometry)
-    sums = CrossingField(cycle, cap, TOLERANCE).sums(single, 0, int(single.n_blocks[0]))
-    winding = np.round(sums[::2, :: 1 if grid.dim == 2 else 2, ::2], 9)
+    winding = wind_on_lattice(CrossingField(cycle, cap, TOLERANCE), lattice)
+    winding = np.round(winding[::2, :: 1 if grid.dim == 2 else 2, ::2], 9)
     what = f"winding number over {grid.label} samples of the bounding box; samples"
     kind = "segments" if grid.dim == 2 else "triangles"
     rows = [

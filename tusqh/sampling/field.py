@@ -39,9 +39,7 @@ class WindingField(Protocol):
         """
 
 
-def wind_on_lattice(
-    geometry: Geometry, lattice: Lattice, *, sampler: Sampler = "crossings", **how: float
-) -> FloatArray:
+def wind_on_lattice(field: WindingField, lattice: Lattice) -> FloatArray:
     """Return the winding number at every sample of a lattice, shape of the lattice.
 
     Examples
@@ -52,15 +50,15 @@ def wind_on_lattice(
     >>> faces = np.array([[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 2, 1]])
     >>> zero, ones = np.zeros(3, dtype=np.int64), np.ones(3, dtype=np.int64)
     >>> lattice = Lattice(np.full(3, 0.2), 2.0, ones, 2 * ones, zero, 2 * ones)
-    >>> closed = Soup(points, faces, np.zeros(4, dtype=np.int64))
+    >>> closed = make_field(Soup(points, faces, np.zeros(4, dtype=np.int64)))
     >>> wind_on_lattice(closed, lattice)[0, 0].tolist()
     [1.0, 0.0]
-    >>> opened = Soup(points, faces[:3], np.zeros(3, dtype=np.int64))
+    >>> opened = make_field(Soup(points, faces[:3], np.zeros(3, dtype=np.int64)))
     >>> round(float(wind_on_lattice(opened, lattice)[0, 0, 0]), 2)
     0.76
     """
     single = lattice.of_samples()
-    return make_field(geometry, sampler, **how).sums(single, 0, int(single.n_blocks[0]))
+    return field.sums(single, 0, int(single.n_blocks[0]))
 
 
 def make_field(
