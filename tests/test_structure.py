@@ -16,8 +16,8 @@ from packaging.version import Version
 from tusqh.geometry.files import PACKAGE, locate
 
 LAYERS = [
-    *("errors", "atomic", "progress", "grid", "geometry", "sampling", "topology", "meshes"),
-    *("antialias", "threshold", "simulate", "quality", "experiments", "figures", "tables"),
+    *("errors", "atomic", "progress", "tables", "grid", "geometry", "sampling", "topology"),
+    *("meshes", "antialias", "threshold", "simulate", "quality", "experiments", "figures"),
     *("provenance", "certificate", "pipeline", "explorer", "overview", "report", "config"),
     *("add_model", "cli", "__main__"),
 ]

@@ -102,6 +102,13 @@ def test_a_topology_that_cannot_be_had_is_exit_code_1(ring, call, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_both_samplers_see_the_same_topology(ring, call):
+    for sampler in (["--tolerance", "1e-9"], ["--sampler", "libigl"]):
+        code, out, _ = call("mesh", ring, "--cells", 8, "--betti", "1,1,0", *sampler)
+        assert code == 0
+        assert "betti_0 = 1, betti_1 = 1" in out
+
+
 def test_ranges_and_stars(ring, call):
     code, out, _ = call("mesh", ring, "--cells", 10, "--betti", "1..2,*,..0", "-o", "part.vtu")
     assert code == 0
@@ -119,6 +126,8 @@ def test_ranges_and_stars(ring, call):
         (["--threshold", "0.5", "--betti", "1"], "one of them"),
         (["--samples", "3"], "positive even number"),
         (["--rule", "clamp"], "average, clamped"),
+        (["--sampler", "guess"], "crossings, libigl"),
+        (["--tolerance", "0"], "a tolerance of 0"),
         (["-o", "part.stp"], "the suffix '.stp' names no format"),
         (["-o", "ring.stl"], "the suffix '.stl' names no format"),
         (["-o", "."], "names no format"),

@@ -124,6 +124,12 @@ Domain = Annotated[
 ]
 Samples = Annotated[int, typer.Option(help="Samples along each side of a cell, even.")]
 Rule = Annotated[str, typer.Option(help="average; or clamped, right for parts that overlap.")]
+Sampler = Annotated[
+    str, typer.Option(help="crossings; or libigl, to compare (slower, in space to 2 digits).")
+]
+Tolerance = Annotated[
+    float, typer.Option(help="Largest error of a volume fraction where the geometry is open.")
+]
 Orientation = Annotated[
     str, typer.Option(help="auto turns geometries that are inside out; as-is; flip.")
 ]

@@ -7,8 +7,9 @@ from tusqh.antialias.policy import Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.meshes.export import write_vtu
 from tusqh.provenance.record import recorded
+from tusqh.quality.rows import verification_row
 from tusqh.sampling.io import load_fractions
-from tusqh.tables import verification_row, write_csv
+from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
     fractions = load_fractions(Path(snakemake.input.fractions))

@@ -4,7 +4,8 @@ from pathlib import Path
 import pandas as pd
 
 from tusqh.provenance.record import recorded
-from tusqh.tables import summary_row, write_csv, write_markdown
+from tusqh.quality.rows import summary_row
+from tusqh.tables import write_csv, write_markdown
 
 with recorded(snakemake) as log:
     kinds = ("facts", "verdicts", "masses", "defects")
