@@ -1,0 +1,15 @@
+# Not part of `all`: tests that take minutes, such as killing the workflow 20 times.
+
+
+rule slow_tests:
+    output:
+        "results/tests/slow.xml",
+    params:
+        tests=source_of("../tests"),
+    log:
+        "results/tests/logs/slow.log",
+    conda:
+        ENVIRONMENT
+    threads: workflow.cores
+    shell:
+        "python -m pytest -v -m slow --junitxml {output} {params.tests} >{log} 2>&1"
