@@ -20,9 +20,6 @@ SURROUNDINGS = {
     "COLUMNS": "40",
 }
 
-#: Builds whole projects several times.
-pytestmark = pytest.mark.slow
-
 
 def kill(process):
     """Kill a process and all that it has started, without a chance to clean up."""
@@ -33,7 +30,10 @@ def kill(process):
 
 
 def run_with_kills(folder, n_kills, seed):
-    """Run the workflow, kill it at random moments while it works, and let it end at last."""
+    """Run the workflow, kill it at random moments while it works, and let it end at last.
+
+    Returns how many kills there were before nothing was left to do.
+    """
     rng = random.Random(seed)
     # The folder is locked by whoever died; its profile makes unfinished outputs again.
     command = ["--cores", "3", "--nolock"]
@@ -41,7 +41,7 @@ def run_with_kills(folder, n_kills, seed):
     kills = 0
     while kills < n_kills:
         process = start(folder, *command, **surroundings)
-        wanted, finished = rng.randint(0, 4), 0
+        wanted, finished = rng.randint(0, 3), 0
         for line in process.stdout:
             finished += line.startswith("Finished jobid")
             if "Execute" in line and finished >= wanted:
@@ -82,7 +82,7 @@ def test_elsewhere_and_after_kills_every_byte_is_the_same(
     folder.mkdir()
     add_models(repository, folder)
     copy_checkout(repository, folder)
-    assert run_with_kills(folder, n_kills, seed=n_kills) >= min(n_kills, 3)
+    assert run_with_kills(folder, n_kills, seed=n_kills) == n_kills
     check_the_same(built, folder, monkeypatch)
 
 
