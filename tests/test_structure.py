@@ -7,10 +7,12 @@ import re
 import subprocess
 import sys
 import tomllib
+from importlib.metadata import metadata
 
 import pytest
 import yaml
 from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
 from packaging.version import Version
 
 from tusqh.geometry.files import PACKAGE, locate
@@ -89,6 +91,14 @@ def test_the_lock_satisfies_the_project_file(repository):
     for requirement in map(Requirement, declared):
         name = requirement.name.lower().replace("_", "-")
         assert locked[name] in requirement.specifier, name
+
+
+def test_the_lock_installs_with_the_oldest_python(repository):
+    project = tomllib.loads((repository / "pyproject.toml").read_text())["project"]
+    oldest = project["requires-python"].removeprefix(">=") + ".0"
+    for name in locked_versions(repository):
+        required = metadata(name)["Requires-Python"]
+        assert not required or oldest in SpecifierSet(required), f"{name} needs {required}"
 
 
 def test_the_conda_environment_says_the_same_as_the_project_file(repository):
