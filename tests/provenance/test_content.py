@@ -147,6 +147,10 @@ def test_contents_survive_the_lock(tmp_path):
         ("results/bay/sweep/0.5.vtu", "canonical"),
         ("results/figures/pinches.png", "visual"),
         ("results/tables/peers_timing.csv", "measured"),
+        ("results/bunny/peers/pytetwild.csv", "measured"),
+        ("results/bunny/peers/tusqh.csv", "exact"),
+        ("results/tables/peers_summary.csv", "measured"),
+        ("results/page/results.md", "visual"),
     ],
 )
 def test_every_output_has_its_class(path, equality):

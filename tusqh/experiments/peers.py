@@ -22,7 +22,7 @@ from tusqh.sampling.fractions import VolumeFractions
 
 FINISHED, MISSING = "finished", "not installed"
 
-#: Significant digits that are kept; fTetWild makes another mesh every time.
+#: Significant digits that are kept: fTetWild makes another mesh every time, so more would be noise.
 _DIGITS = {"pytetwild": 1}
 
 #: Where the process looks for modules: a folder for tests to put a peer in, and this package.

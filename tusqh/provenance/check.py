@@ -284,8 +284,8 @@ def _check_left_over(plan: Plan, records: dict[str, Record]) -> Iterator[Finding
                 SAME,
                 key,
                 f"results/provenance/{key}.json",
-                "a record of a step that the workflow no longer has",
-                "no such file",
+                "a record of a step that the default targets do not need",
+                "no such file, unless somebody asked for it",
                 "remove it when its results are no longer needed",
             )
 

@@ -19,7 +19,8 @@ class Equality(StrEnum):
     NUMERIC = "numeric"
     #: Drawn from equal sources: figures, and pages that show them.
     VISUAL = "visual"
-    #: Measured anew every time: seconds.  Whatever they are, they are reported so.
+    #: Never the same twice: seconds, and what fTetWild makes.  Whatever they are, they are
+    #: reported so.
     MEASURED = "measured"
 
 
@@ -29,11 +30,15 @@ TOLERANCE = {Equality.CANONICAL: 1e-9, Equality.NUMERIC: 1e-6}
 #: The class of every output, by the first pattern that fits; all others are exact.
 CLASSES = [
     ("*_timing.csv", Equality.MEASURED),
+    # fTetWild makes another mesh every time; its rows enter the tables of all peers.
+    ("*/peers/pytetwild.csv", Equality.MEASURED),
+    ("results/tables/peers*.csv", Equality.MEASURED),
     ("*.png", Equality.VISUAL),
     ("*.svg", Equality.VISUAL),
     ("*.pdf", Equality.VISUAL),
-    # Pages show figures.
+    # Pages show tables and figures.
     ("*.html", Equality.VISUAL),
+    ("results/page/*", Equality.VISUAL),
     ("*/simulation/*", Equality.NUMERIC),
     ("*/elements.csv", Equality.NUMERIC),
     ("*/verdict.csv", Equality.NUMERIC),
