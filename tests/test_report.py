@@ -1,12 +1,14 @@
 """Pages made of a template: what they quote, what they may not, and the committed one."""
 
 import re
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pandas as pd
 import pytest
 
 from tusqh.errors import TusqhError
+from tusqh.provenance.stamp import read_mark, stamp
 from tusqh.report import copy_pictures, picture_name, render_page
 
 
@@ -70,9 +72,12 @@ def test_pictures_are_small_copies_and_the_same_bytes_each_time(folder, monkeypa
 
     monkeypatch.chdir(folder)
     figure = "results/cow/figures/a.png"
+    mark = {"step": "figure_cow", "file": figure}
+    stamp(Path(figure), mark)
     (first,) = copy_pictures([figure], folder / "one")
     (second,) = copy_pictures([figure], folder / "two")
     assert first.name == picture_name(figure)
     assert first.read_bytes() == second.read_bytes()
     assert Image.open(figure).size == (2000, 1000)
     assert Image.open(first).size == (1400, 700)
+    assert read_mark(first) == mark, "a copy leads back to the figure"

@@ -20,6 +20,7 @@ import pandas as pd
 
 from tusqh.atomic import replacing
 from tusqh.errors import TusqhError
+from tusqh.provenance.stamp import read_mark, stamp
 
 #: Widest picture on a page, in pixels; the full one stays in results/.
 _PICTURE_WIDTH = 1400
@@ -115,7 +116,10 @@ def render_page(
 
 
 def copy_pictures(figures: Sequence[str], folder: Path) -> list[Path]:
-    """Write the figures into a folder of a page, no wider than a page needs; return the files."""
+    """Write the figures into a folder of a page, no wider than a page needs; return the files.
+
+    Each keeps the mark that says what it was drawn from.
+    """
     from PIL import Image
 
     written = []
@@ -128,6 +132,9 @@ def copy_pictures(figures: Sequence[str], folder: Path) -> list[Path]:
                 picture = picture.resize((_PICTURE_WIDTH, height), Image.Resampling.LANCZOS)
             # A palette of 256 colours: a third of the bytes, and nobody can tell.
             picture.quantize(256, dither=Image.Dither.NONE).save(temporary, optimize=True)
+            mark = read_mark(Path(figure))
+            if mark:
+                stamp(temporary, mark)
         written.append(path)
     return written
 

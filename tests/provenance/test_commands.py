@@ -77,16 +77,17 @@ def test_trace_leads_to_the_register(run):
         assert part in text
 
 
-def test_trace_knows_a_figure_found_elsewhere(project, run, tmp_path):
+@pytest.mark.parametrize("figure", [FIGURE, "results/figures/pinches_in_series.png"])
+def test_trace_knows_a_figure_found_elsewhere(project, run, tmp_path, figure):
     slide = tmp_path / "slide.png"
-    content = (project / FIGURE).read_bytes()
+    content = (project / figure).read_bytes()
     slide.write_bytes(content)
     assert "the same bytes" in run("trace", str(slide), options=False)[1]
     # Saved again by another program, which keeps texts.
     slide.write_bytes(content[:-12] + b"\0\0\0\1tEXtx\0\0\0\0" + content[-12:])
     code, text = run("trace", str(slide), options=False)
     assert code == 0
-    assert f"{slide} is {FIGURE}: other bytes, drawn from the same sources" in text
+    assert f"{slide} is {figure}: other bytes, drawn from the same sources" in text
 
 
 def test_trace_says_when_something_behind_has_changed(project, run):

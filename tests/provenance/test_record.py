@@ -4,6 +4,7 @@ import json
 import logging
 from types import SimpleNamespace
 
+import PIL.Image
 import pytest
 
 from tusqh.atomic import replacing
@@ -11,6 +12,7 @@ from tusqh.errors import MeshError
 from tusqh.provenance.environment import environment_fingerprint, installed_versions
 from tusqh.provenance.hashing import hash_file
 from tusqh.provenance.record import recorded
+from tusqh.provenance.stamp import read_mark, stamp
 
 
 class Files(list):
@@ -87,3 +89,16 @@ def test_the_fingerprint_moves_with_a_version():
     other = versions | {"numpy": "0.0.1"}
     assert environment_fingerprint(versions) != environment_fingerprint(other)
     assert environment_fingerprint(versions) == environment_fingerprint(dict(versions))
+
+
+def test_figures_get_a_mark_and_copies_keep_theirs(job, tmp_path):
+    job.output = Files(one="a.png", other="b.svg", **vars(job.output))
+    mark = {"step": "figure_cow", "file": "results/cow/a.png"}
+    with recorded(job):
+        (tmp_path / "out.vtu").write_text("mesh")
+        PIL.Image.new("RGB", (4, 4)).save("a.png")
+        stamp(tmp_path / "a.png", mark)
+        (tmp_path / "b.svg").write_text("<svg/>\n")
+    assert read_mark(tmp_path / "a.png") == mark
+    found = read_mark(tmp_path / "b.svg")
+    assert (found["step"], found["model"], found["file"]) == ("mesh", "plate", "b.svg")

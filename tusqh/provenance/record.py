@@ -24,7 +24,7 @@ from tusqh.geometry.packaged import PACKAGE, locate
 from tusqh.provenance.code import PACKAGE_ROOT
 from tusqh.provenance.environment import environment_fingerprint, installed_versions
 from tusqh.provenance.hashing import canonical_json, hash_file
-from tusqh.provenance.stamp import source_mark, stamp
+from tusqh.provenance.stamp import MARKED, read_mark, source_mark, stamp
 
 #: Names of the two outputs of every rule that are records themselves.
 RECORD_OUTPUTS = ("record", "record_how")
@@ -110,7 +110,9 @@ def _what(snakemake: Any, versions: dict[str, str]) -> dict[str, Any]:
     }
     results = sorted(_results(snakemake.output))
     for path in results:
-        stamp(Path(path), source_mark(what))
+        # A copy of a figure keeps the mark of the original.
+        if Path(path).suffix in MARKED and read_mark(Path(path)) is None:
+            stamp(Path(path), source_mark(what, path))
     return what | {"outputs": [describe_file(path) for path in results]}
 
 

@@ -15,6 +15,9 @@ from typing import Any
 from tusqh.atomic import replacing
 from tusqh.provenance.hashing import hash_value
 
+#: Formats that have room for a mark.
+MARKED = (".png", ".svg", ".pdf")
+
 _KEYWORD = b"tusqh-source"
 _PNG = b"\x89PNG\r\n\x1a\n"
 #: Where the first chunk of every PNG file, its header of fixed size, ends.
@@ -22,14 +25,17 @@ _AFTER_HEADER = len(_PNG) + 25
 _COMMENT = re.compile(rb"\n?(?:<!--|%) tusqh-source (\{.*?\})(?: -->)?\n")
 
 
-def source_mark(what: dict[str, Any]) -> dict[str, Any]:
-    """Return the mark of a step's figures: step, model, and a digest of all it was drawn from.
+def source_mark(what: dict[str, Any], path: str) -> dict[str, Any]:
+    """Return the mark of a step's figure: file, step, model, digest of all it was drawn from.
 
     The digest covers the inputs and parameters, not the code, so that equal pictures stay equal
     files when code changes.
     """
     source = {key: what[key] for key in ("step", "model", "parameters", "inputs")}
-    return {"step": what["step"], "model": what["model"], "sha256": hash_value(source)}
+    return {key: what[key] for key in ("step", "model")} | {
+        "file": path,
+        "sha256": hash_value(source),
+    }
 
 
 def stamp(path: Path, mark: dict[str, Any]) -> None:
@@ -42,10 +48,8 @@ def stamp(path: Path, mark: dict[str, Any]) -> None:
         content = _PNG + head + _text_chunk(text) + tail
     elif path.suffix == ".svg":
         content = _COMMENT.sub(b"", content) + b"\n<!-- tusqh-source " + text + b" -->\n"
-    elif path.suffix == ".pdf":
-        content = _COMMENT.sub(b"", content) + b"\n% tusqh-source " + text + b"\n"
     else:
-        return
+        content = _COMMENT.sub(b"", content) + b"\n% tusqh-source " + text + b"\n"
     with replacing(path) as temporary:
         temporary.write_bytes(content)
 

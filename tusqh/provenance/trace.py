@@ -81,10 +81,10 @@ def find_output(path: Path, records: dict[str, Record]) -> Match:
                 return Match(other, "the same bytes")
         mark = read_mark(path)
         for record in records.values():
-            if mark and not record.problem and source_mark(record.what) == mark:
-                figures = [p for p in record.outputs if Path(p).suffix == path.suffix]
-                if figures:
-                    return Match(figures[0], "other bytes, drawn from the same sources")
+            figure = str(mark and mark.get("file"))
+            is_known = figure in record.outputs and not record.problem
+            if is_known and mark == source_mark(record.what, figure):
+                return Match(figure, "other bytes, drawn from the same sources")
     if name in known:
         return Match(name, "the name only: its bytes are not those recorded")
     if mark:
