@@ -11,7 +11,7 @@ import pyvista
 import trimesh
 
 import tusqh
-from tusqh.errors import ConfigError, GeometryError, TopologyError
+from tusqh.errors import ConfigError, GeometryError, SamplingError, TopologyError
 from tusqh.meshes.betti import betti_by_boundary
 from tusqh.meshes.export import read_vtu
 from tusqh.pipeline.ingest import ingest
@@ -155,6 +155,17 @@ def test_saved_results_hold_their_certificate(tmp_path, result):
         ({"betti": (None, None)}, ["betti", "at least one number"]),
         ({"betti": ({"least": 1},)}, ["betti", "'least'", "min"]),
         ({"betti": (1, 0, 0, 0)}, ["up to three"]),
+        ({"betti": ({"min": 3, "max": 1},)}, ["betti", "min is not above"]),
+        ({"threshold": 1.5}, ["threshold", "found 1.5", "above 0.0 to 1.0"]),
+        ({"threshold": 0}, ["threshold", "found 0"]),
+        ({"threshold": "a"}, ["threshold", "found 'a'"]),
+        ({"threshold": float("nan")}, ["threshold", "found nan"]),
+        ({"persistence": 2}, ["persistence", "found 2"]),
+        ({"persistence": -1}, ["persistence", "found -1"]),
+        ({"persistence": float("nan")}, ["persistence", "found nan"]),
+        ({"tolerance": "x"}, ["tolerance", "from 1e-12 to 0.01"]),
+        ({"components": {"min_cells": -1}}, ["components: min_cells", "whole number from 1"]),
+        ({"holes": {"min_persistence": 2}}, ["holes: min_persistence", "from 0 to 1"]),
         ({"betti": (1,), "threshold": 0.5}, ["threshold and betti", "one of them"]),
         ({"rule": "clamp"}, ["rule", "found 'clamp'", "average, clamped"]),
         ({"bridges": "some"}, ["bridges", "forest, all, none"]),
@@ -179,6 +190,7 @@ def test_bad_arguments_are_explained(arguments, parts):
         (np.zeros((4, 4)), r"shape \(4, 4\)"),
         (([[0, 0, 0]], [[0, 1]]), r"shapes \(1, 3\) and \(1, 2\)"),
         (([[0, 0, "x"]], [[0, 0, 0]]), "not numbers"),
+        (([[0, 0, 1j]], [[0, 0, 0]]), "not numbers: points are complex"),
         (([[0, 0], [1, 0]], [[0, 5]]), "out of the range 0 .. 1"),
         (([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 7]]), "corners out of range"),
         (([[0, 0], [1, 0]], [[0, 0.5]]), "no whole numbers"),
@@ -189,6 +201,18 @@ def test_bad_arguments_are_explained(arguments, parts):
 def test_sources_that_are_none_are_explained(source, message):
     with pytest.raises(GeometryError, match=message):
         tusqh.mesh(source)
+
+
+@pytest.mark.parametrize("scale", [1e-200, 1e200])
+def test_units_whose_volumes_are_no_numbers_are_explained(scale):
+    sphere = trimesh.creation.icosphere(1)
+    with pytest.raises(SamplingError, match="another unit of length"):
+        tusqh.mesh((np.asarray(sphere.vertices) * scale, sphere.faces), cells=6)
+
+
+def test_a_mesh_is_described_by_its_report(result):
+    assert repr(result).startswith("mesh of ring")
+    assert "measured" in repr(result)
 
 
 def test_what_cannot_be_reached_is_listed():

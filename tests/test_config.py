@@ -56,6 +56,10 @@ def test_the_committed_configuration_is_valid(repository, tmp_path):
         ("models: {tables: {geometry: a.svg}}", ["'tables'", "reserved"]),
         ("models: {}", ["models"]),
         (
+            "models: {a: {geometry: a.svg, target: {betti_1: {min: 3, max: 1}}}}",
+            ["models.a.target.betti_1", "min is not above its max"],
+        ),
+        (
             "models: {a: {geometry: a.svg, threshold: 0.5, target: {betti_0: 1}}}",
             ["models.a", "`threshold` and `target` are given", "one of them"],
         ),

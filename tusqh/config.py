@@ -12,6 +12,7 @@ import jsonschema
 import yaml
 
 from tusqh.errors import ConfigError
+from tusqh.threshold.goals import find_empty
 
 Mapping = dict[str, Any]
 
@@ -106,6 +107,14 @@ def load_config(paths: Iterable[Path], schema_path: Path, overrides: Mapping) ->
                 where=f"{' + '.join(names)}: models.{name}",
                 expected="one of them: each says how to choose the threshold",
                 remedy="remove the others",
+            )
+        empty = find_empty(model.get("target", {}))
+        if empty:
+            raise ConfigError(
+                f"found {_show(model['target'][empty])}",
+                where=f"{' + '.join(names)}: models.{name}.target.{empty}",
+                expected="a range whose min is not above its max",
+                remedy="swap the two",
             )
         if not goals:
             model["threshold"] = 0.5

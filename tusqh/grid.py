@@ -43,6 +43,10 @@ HEX_CORNERS: IntArray = np.array(
 QUAD_SIDES: IntArray = np.array([[0, -1], [1, 0], [0, 1], [-1, 0]], dtype=np.int64)
 
 
+#: Cell sizes whose cube does not underflow or overflow, in units of the model.
+_SMALLEST, _LARGEST = 1e-100, 1e100
+
+
 @dataclass(frozen=True)
 class BackgroundGrid:
     """A grid of equal cubic cells laid over a box (paper: Volume Fractions).
@@ -77,12 +81,13 @@ class BackgroundGrid:
                 expected="two or three numbers in each",
                 remedy="give one entry per axis",
             )
-        if min(self.shape) < 1 or not (math.isfinite(self.cell_size) and self.cell_size > 0):
+        if min(self.shape) < 1 or not _SMALLEST <= self.cell_size <= _LARGEST:
             raise SamplingError(
-                f"shape {self.shape} with cell size {self.cell_size} has no volume",
+                f"shape {self.shape} with cell size {self.cell_size:g}",
                 where="background grid",
-                expected="at least one cell along each axis and a positive, finite cell size",
-                remedy="correct `grid.cells` or `grid.cell_size`",
+                expected="at least one cell along each axis, of a positive size whose cube is "
+                f"a number: from {_SMALLEST:g} to {_LARGEST:g}",
+                remedy="correct `grid.cells` or `grid.cell_size`, or take another unit of length",
             )
 
     @property

@@ -118,7 +118,7 @@ def test_files_inside_and_in_packages_are_not_copied(project, add):
         (["../part.stl", "--name", "a<script>"], "is no plain file name"),
         (["../part.stl", "--name", "../up"], "is no plain file name"),
         (["../part.stl", "--name", "tables"], "is reserved"),
-        (["../part.stl", "--threshold", "7"], "at most 1"),
+        (["../part.stl", "--threshold", "7"], "above 0.0 to 1.0"),
         (["../part.stl", "--betti", "1", "--threshold", "0.5"], "one of them"),
         (["../none.stl"], "no such file"),
         (["../part.stl", "--config", "config/other.yaml"], "cannot be read"),

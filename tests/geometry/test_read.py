@@ -4,6 +4,7 @@ from pathlib import Path
 import ezdxf
 import numpy as np
 import pytest
+import shapely
 
 from tusqh.errors import GeometryError
 from tusqh.geometry.read import read_outline
@@ -61,6 +62,19 @@ def test_geojson_keeps_every_ring_as_it_is(tmp_path):
     lines = [[[0, 0], [0.1, 2]], [[0, 0], [0, 3]]]
     assert chains_of(path) == [SQUARE, hole, open_ring, SQUARE, *lines]
     assert read_outline(path).name == "a.geojson"
+
+
+@pytest.mark.parametrize("outer", [SQUARE, SQUARE[::-1]], ids=["ccw", "cw"])
+def test_holes_of_geojson_polygons_turn_against_their_outer_ring(tmp_path, outer):
+    ring = np.array([[0.25, 0.25], [0.5, 0.25], [0.5, 0.5], [0.25, 0.25]])
+    for hole in (ring, ring[::-1], ring + np.array([1e7, -1e7])):
+        polygon = {"type": "Polygon", "coordinates": [outer, hole.tolist()]}
+        for item in (polygon, {"type": "MultiPolygon", "coordinates": [polygon["coordinates"]]}):
+            first, second = chains_of(geojson(tmp_path / "a.geojson", item))
+            assert first == outer, "the outer ring as it is"
+            assert sorted(map(tuple, second)) == sorted(map(tuple, hole.tolist()))
+            areas = [shapely.LinearRing(chain).is_ccw for chain in (first, second)]
+            assert areas[0] != areas[1]
 
 
 def test_svg_shapes_and_transforms_point_up(tmp_path):

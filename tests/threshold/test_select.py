@@ -1,4 +1,5 @@
 import numpy as np
+import pandas as pd
 import pytest
 from fields import make_fractions, random_fractions
 
@@ -8,6 +9,7 @@ from tusqh.antialias.resolve import build_mesh
 from tusqh.errors import TopologyError
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.threshold import plateaus, select
+from tusqh.threshold.goals import distances
 from tusqh.threshold.plateaus import merge_intervals, predict_plateaus
 from tusqh.threshold.select import Selection, choose_threshold
 from tusqh.topology.curves import betti_curves
@@ -184,6 +186,26 @@ def test_persistence_removes_and_fills_exactly_the_short_lived_where_no_threshol
     assert (dropped["persistence"] < 0.65).all()
     mesh = mesh_of(fractions, chosen)
     assert betti_by_boundary(mesh) == betti_by_euler(mesh) == (1, 1, 0)
+
+
+def test_persistence_never_chooses_an_empty_mesh():
+    cells = np.where(CELLS == 1, 0.5, 0.25)  # Nothing lives longer than half of all thresholds.
+    with pytest.raises(TopologyError, match="removing and filling does not either"):
+        choose(make_fractions(cells), persistence=0.75)
+    for seed in range(20):
+        fractions = random_fractions(np.random.default_rng(seed), (4, 4), n_levels=5)
+        try:
+            chosen, _ = choose(fractions, persistence=1.0)
+        except TopologyError:
+            continue
+        assert chosen.predicted.betti_0 > 0
+
+
+def test_no_number_lies_in_an_empty_range():
+    rows = pd.DataFrame({"betti_0": np.arange(6)})
+    for low, high in ((3, 1), (2, 1), (5, 0)):
+        assert (distances(rows, {"betti_0": {"min": low, "max": high}}) > 0).all()
+    assert distances(rows, {"betti_0": {"min": 2, "max": 3}}).tolist() == [2, 1, 0, 0, 1, 2]
 
 
 def test_persistence_on_random_fields_is_verified_by_measurement():

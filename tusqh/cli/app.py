@@ -9,7 +9,7 @@ import typer
 from tusqh.cli.add import add
 from tusqh.cli.check import check
 from tusqh.cli.inspect import inspect
-from tusqh.cli.interruption import catch_signals
+from tusqh.cli.interruption import catch_signals, to_exit_code
 from tusqh.cli.lock import lock
 from tusqh.cli.mesh import mesh
 from tusqh.cli.show import report_error
@@ -39,3 +39,5 @@ def main() -> None:
     except (TusqhError, OSError) as error:
         report_error(f"error in {error}")
         raise SystemExit(2) from None
+    except SystemExit as end:
+        raise SystemExit(to_exit_code(end.code)) from None

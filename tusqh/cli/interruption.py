@@ -20,6 +20,11 @@ def stop_if_interrupted() -> None:
         raise KeyboardInterrupt
 
 
+def to_exit_code(code: str | int | None) -> str | int | None:
+    """Return the exit code of a command: where it was stopped 128 and the signal, as in shells."""
+    return 128 + _caught[0] if _caught else code
+
+
 def _stop(number: int, _frame: object) -> None:
     if _caught:  # Asked twice: at once.
         os._exit(128 + number)

@@ -16,7 +16,7 @@ def show(frame: pd.DataFrame, *, title: str) -> None:
     """
     table = Table(title=title, title_justify="left")
     for k, column in enumerate(frame.columns):
-        table.add_column(str(column), overflow="fold", no_wrap=k == 0)
+        table.add_column(str(column), overflow="fold", no_wrap=k == 0, min_width=len(str(column)))
     for row in frame.itertuples(index=False):
         table.add_row(*map(_to_text, row))
     Console(markup=False, highlight=False).print(table)

@@ -15,6 +15,7 @@ from tusqh.geometry.image import Image
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.packaged import PACKAGE as PACKAGE
 from tusqh.geometry.packaged import locate as locate
+from tusqh.geometry.read import SUFFIXES as OUTLINE_SUFFIXES
 from tusqh.geometry.read import read_outline
 from tusqh.geometry.read_image import SUFFIXES as IMAGE_SUFFIXES
 from tusqh.geometry.read_image import read_image
@@ -60,7 +61,16 @@ def read_geometry(path: Path, *, image: Mapping[str, float] | None = None) -> Ge
             expected=f"an image: {', '.join(IMAGE_SUFFIXES)}",
             remedy="remove `image`",
         )
-    return read_soup(path) if suffix in SURFACE_SUFFIXES else read_outline(path)
+    if suffix in SURFACE_SUFFIXES:
+        return read_soup(path)
+    if suffix in OUTLINE_SUFFIXES:
+        return read_outline(path)
+    raise GeometryError(
+        f"files of type {suffix or '(no suffix)'!r} are not supported",
+        where=str(path),
+        expected="one of " + ", ".join(OUTLINE_SUFFIXES + SURFACE_SUFFIXES + IMAGE_SUFFIXES),
+        remedy="export the geometry in one of these formats",
+    )
 
 
 def write_geometry(path: Path, geometry: Geometry) -> None:

@@ -1,7 +1,8 @@
 """Read an outline from a file, exactly as the file gives it.
 
 Nothing is repaired, snapped, closed or merged: an unclosed ring stays open, a doubled border
-stays doubled.  Every ring, polyline or continuous subpath of the file becomes one chain.
+stays doubled.  Every ring, polyline or continuous subpath of the file becomes one chain.  Only
+holes of GeoJSON polygons are turned where they have to be, because their place says what they are.
 """
 
 from __future__ import annotations
@@ -46,8 +47,9 @@ def read_outline(path: Path) -> Outline:
     """Return the outline in a GeoJSON, shapefile, SVG, DXF or CSV file, named after the file.
 
     ``.geojson``, ``.json``
-        Polygons, lines, collections and features; every ring or line is one chain.  Points and
-        missing geometries have no lines and are passed over; a third coordinate is dropped.
+        Polygons, lines, collections and features; every ring or line is one chain, and holes
+        turn against the outer ring of their polygon.  Points and missing geometries have no lines
+        and are passed over; a third coordinate is dropped.
     ``.shp``
         Rings and lines of a shapefile, see `tusqh.geometry.read_shp`.
     ``.svg``
@@ -74,7 +76,7 @@ def read_outline(path: Path) -> Outline:
             "there is no such file",
             where=where,
             expected="a geometry file",
-            remedy="check the path in the configuration",
+            remedy="check the path",
         )
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
@@ -99,11 +101,11 @@ def read_outline(path: Path) -> Outline:
 def _read_geojson_chains(path: Path) -> list[FloatArray]:
     """Return every ring and line of a GeoJSON file, in file order."""
     document = json.loads(path.read_text(encoding="utf-8-sig"))
-    return [_as_points(line) for line in _lines_of(document)]
+    return list(_lines_of(document))
 
 
-def _lines_of(item: dict[str, Any] | None) -> Iterator[list[Any]]:
-    """Yield the coordinate lists of the rings and lines of a GeoJSON object."""
+def _lines_of(item: dict[str, Any] | None) -> Iterator[FloatArray]:
+    """Yield the rings and lines of a GeoJSON object."""
     kind = item.get("type") if isinstance(item, dict) else item
     if item is None or kind in ("Point", "MultiPoint"):
         return
@@ -116,14 +118,33 @@ def _lines_of(item: dict[str, Any] | None) -> Iterator[list[Any]]:
         for geometry in item["geometries"]:
             yield from _lines_of(geometry)
     elif kind == "LineString":
-        yield item["coordinates"]
-    elif kind in ("Polygon", "MultiLineString"):
-        yield from item["coordinates"]
+        yield _as_points(item["coordinates"])
+    elif kind == "MultiLineString":
+        yield from map(_as_points, item["coordinates"])
+    elif kind == "Polygon":
+        yield from _rings_of(item["coordinates"])
     elif kind == "MultiPolygon":
         for polygon in item["coordinates"]:
-            yield from polygon
+            yield from _rings_of(polygon)
     else:
         raise ValueError(f"{kind!r} is not a GeoJSON type")
+
+
+def _rings_of(polygon: list[Any]) -> Iterator[FloatArray]:
+    """Yield the rings of a GeoJSON polygon, each hole turned against the outer ring.
+
+    Every ring but the first is a hole, whichever way it turns (RFC 7946, 3.1.6).
+    """
+    rings = [_as_points(ring) for ring in polygon]
+    areas = [_signed_area(ring) for ring in rings]
+    for k, ring in enumerate(rings):
+        yield ring[::-1] if k and areas[k] * areas[0] > 0 else ring
+
+
+def _signed_area(ring: FloatArray) -> float:
+    """Return the area inside a ring, negative where it is walked clockwise."""
+    x, y = (ring - ring.mean(axis=0)).T if len(ring) else np.zeros((2, 0))
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
 
 
 def _as_points(positions: list[Any]) -> FloatArray:
@@ -169,3 +190,6 @@ _READERS: dict[str, Callable[[Path], list[FloatArray]]] = {
     ".dxf": read_dxf_chains,
     ".csv": _read_csv_chains,
 }
+
+#: Suffixes of files of outlines.
+SUFFIXES = tuple(_READERS)

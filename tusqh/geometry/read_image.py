@@ -53,7 +53,7 @@ def read_image(
             "there is no such file",
             where=str(path),
             expected="an image file",
-            remedy="check the path in the configuration",
+            remedy="check the path",
         )
     reader = {".npy": _read_npy, ".nrrd": _read_nrrd}.get(path.suffix.lower(), _read_tiff)
     try:

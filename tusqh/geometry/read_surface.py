@@ -33,7 +33,7 @@ def read_soup(path: Path) -> Soup:
             "there is no such file",
             where=str(path),
             expected="a geometry file",
-            remedy="check the path in the configuration",
+            remedy="check the path",
         )
     suffix = path.suffix.lower()
     try:

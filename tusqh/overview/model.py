@@ -11,6 +11,7 @@ from typing import Any
 import pandas as pd
 
 from tusqh.geometry.files import locate
+from tusqh.pipeline.result import count_pinches
 from tusqh.provenance.hashing import hash_file
 from tusqh.quality.verdict import overall
 
@@ -100,8 +101,8 @@ def read_model(files: ModelFiles, register: pd.DataFrame | None = None) -> Model
         + chosen["reason"],
         "measured": f"Betti numbers {tuple(measured)}",
         "mesh": f"{facts['elements']:,} {kind} of {facts['grid']} cells, "
-        f"{facts['pinches']} pinches, volume {facts['volume'] / facts['winding_volume']:.4f} of "
-        "the winding-number volume",
+        f"{count_pinches(facts['pinches'])}, volume "
+        f"{facts['volume'] / facts['winding_volume']:.4f} of the winding-number volume",
         "verdict": overall(verdict),
         "every threshold": f"{n_holding} of {len(verification)} as predicted",
     }

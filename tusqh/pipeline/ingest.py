@@ -103,6 +103,8 @@ def _from_trimesh(source: Any, name: str) -> Soup:
 def _from_arrays(points: Any, corners: Any, *, name: str) -> Geometry:
     """Return the outline or soup of points and of the segments or triangles between them."""
     try:
+        if np.iscomplexobj(points):
+            raise TypeError("points are complex")
         points = np.asarray(points, dtype=np.float64)
         numbers = np.asarray(corners)
         corners = numbers.astype(np.int64)

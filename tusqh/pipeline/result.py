@@ -24,6 +24,15 @@ from tusqh.threshold.select import Selection
 from tusqh.topology.betti_numbers import BettiNumbers
 
 
+def count_pinches(n: int) -> str:
+    """Return a number of pinches in words.
+
+    >>> count_pinches(1), count_pinches(7)
+    ('1 pinch', '7 pinches')
+    """
+    return f"{n} pinch" if n == 1 else f"{n} pinches"
+
+
 @dataclass(frozen=True)
 class Report:
     """What was asked for, predicted, chosen and measured, and the verdict.
@@ -79,16 +88,17 @@ class Report:
             "measured": f"Betti numbers {self.measured}, "
             + ("as predicted" if self.is_met else "NOT as predicted"),
             "mesh": f"{facts['elements']:,} {'hexes' if facts['dimension'] == 3 else 'quads'} of "
-            f"{facts['grid']} cells, {facts['pinches']} pinches resolved, volume "
+            f"{facts['grid']} cells, {count_pinches(facts['pinches'])} resolved, volume "
             f"{facts['volume'] / facts['winding_volume']:.4f} of the winding-number volume",
             "verdict": str(Judgement(self.elements, self.verdict)),
         }
 
     def __str__(self) -> str:
+        """Return the report as text."""
         return "\n".join(f"{title:<10} {text}" for title, text in self.lines().items())
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
     """A mesh with everything that led to it.
 
@@ -135,6 +145,9 @@ class Result:
     def diagram(self) -> pd.DataFrame:
         """Persistence pairs, with the cells that create and destroy each class."""
         return self.persistence.diagram
+
+    def __repr__(self) -> str:
+        return f"mesh of {self.name}\n{self.report}"
 
     @property
     def curves(self) -> pd.DataFrame:

@@ -2,21 +2,37 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
 from numbers import Integral, Real
 from typing import Any, get_args
 
-from tusqh.antialias.policy import BridgeMode, Criteria, MixedPinches
+from tusqh.antialias.policy import BridgeMode, MixedPinches
 from tusqh.errors import ConfigError
 from tusqh.sampling.field import Sampler
 from tusqh.sampling.fractions import Domain, Orientation, Rule
-from tusqh.threshold.goals import Wanted
+from tusqh.threshold.goals import Wanted, find_empty
 
 #: Keys of a block by the stage that reads them, as in the rules of the workflow.
 SAMPLING = ("samples", "domain", "rule", "orientation", "sampler", "tolerance")
 POLICY = ("mixed_pinches", "bridges", "components", "holes", "voids")
 GOALS = ("threshold", "target", "persistence", "volume")
+
+#: What the configuration allows for keys that take a number: lowest, highest, and whether the
+#: lowest one is allowed.
+_NUMBERS = {
+    "threshold": (0.0, 1.0, False),
+    "persistence": (0.0, 1.0, False),
+    "tolerance": (1e-12, 0.01, True),
+}
+
+#: The same for criteria of features, and whether only whole numbers are.
+_CRITERIA = {
+    "min_cells": (1, math.inf, True),
+    "min_volume": (0, math.inf, False),
+    "min_persistence": (0, 1, False),
+    "keep": (0, math.inf, True),
+}
 
 #: What the configuration allows for keys that take a word.
 _WORDS = {
@@ -62,8 +78,12 @@ def to_settings(
     for key, words in _WORDS.items():
         if settings.get(key, words[0]) not in words:
             raise _wrong(key, settings[key], "one of " + ", ".join(words))
+    for key, (low, high, has_low) in _NUMBERS.items():
+        value: Any = settings.get(key, high)
+        if not _is_number(value) or not low <= value <= high or (value == low and not has_low):
+            raise _wrong(key, value, f"a number {'from' if has_low else 'above'} {low} to {high}")
     for key in ("components", "holes", "voids"):
-        _require_keys(key, settings.get(key, {}), [field.name for field in fields(Criteria)])
+        _require_criteria(key, settings.get(key, {}))
     _require_keys("image", settings.get("image", {}), ["voxel_size", "empty", "full"])
     goals = [goal for goal in GOALS if goal in settings]
     if len(goals) > 1:
@@ -112,6 +132,8 @@ def _to_target(betti: Betti) -> Settings:
     target = {f"betti_{k}": _to_wanted(w) for k, w in enumerate(betti) if w is not None}
     if not target:
         raise _wrong("betti", betti, "at least one number that is not None")
+    if find_empty(target):
+        raise _wrong("betti", betti, "ranges whose min is not above their max")
     return target
 
 
@@ -127,6 +149,17 @@ def _to_wanted(wanted: Any) -> Wanted:
     if isinstance(wanted, Mapping):
         return {key: int(n) for key, n in wanted.items()}
     return [int(n) for n in numbers] if isinstance(wanted, (list, tuple)) else int(wanted)
+
+
+def _require_criteria(name: str, criteria: Any) -> None:
+    _require_keys(name, criteria, list(_CRITERIA))
+    for key, value in criteria.items():
+        low, high, is_whole = _CRITERIA[key]
+        is_right = _is_count(value) if is_whole else _is_number(value)
+        if not is_right or not low <= value <= high:
+            kind = "whole number" if is_whole else "number"
+            end = "" if high == math.inf else f" to {high}"
+            raise _wrong(f"{name}: {key}", value, f"a {kind} from {low}{end}")
 
 
 def _require_keys(name: str, values: Any, allowed: Sequence[str]) -> None:

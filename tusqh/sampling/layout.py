@@ -55,7 +55,7 @@ def lay_grid(geometry: Geometry, window: Box | None, **size: Any) -> BackgroundG
             f"{' and '.join(wrong)}, the geometry has {dim} dimensions",
             where=geometry.name,
             expected=f"{dim} numbers, one for each axis",
-            remedy="correct the model's block in the configuration",
+            remedy="give one number for each axis",
         )
     if isinstance(size.get("cells"), list):
         size["cells"] = tuple(size["cells"])

@@ -71,7 +71,7 @@ def lay_on_voxels(
             f"`grid.cells` has {len(cells)} numbers, the image has 3 dimensions",
             where=image.name,
             expected="3 numbers, one for each axis",
-            remedy="correct the model's block in the configuration",
+            remedy="give one number for each axis",
         )
     else:
         limit = np.asarray(cells if isinstance(cells, list) else [cells] * 3)
@@ -197,7 +197,7 @@ def _to_range(image: Image, window: Box | None) -> tuple[IntArray, IntArray]:
             f"`window` has {len(window[0])} numbers, the image has 3 dimensions",
             where=image.name,
             expected="3 numbers, one for each axis",
-            remedy="correct the model's block in the configuration",
+            remedy="give one number for each axis",
         )
     low, high = ((np.array(end) - image.origin) / image.voxel_size for end in window)
     if (high <= 0).any() or (low >= n_voxels).any():

@@ -35,17 +35,27 @@ def distances(numbers: pd.DataFrame, target: Target) -> FloatArray:
     for name, wanted in target.items():
         values = numbers[name].to_numpy(dtype=float)
         if isinstance(wanted, dict):
-            nearest = np.clip(values, wanted.get("min", -np.inf), wanted.get("max", np.inf))
+            total += np.maximum(wanted.get("min", -np.inf) - values, 0.0)
+            total += np.maximum(values - wanted.get("max", np.inf), 0.0)
         else:
             options = np.atleast_1d(np.asarray(wanted, dtype=float))
-            nearest = options[np.abs(values[:, None] - options).argmin(axis=1)]
-        total += np.abs(values - nearest)
+            total += np.abs(values[:, None] - options).min(axis=1)
     return total
 
 
 def is_met(betti: BettiNumbers, target: Target) -> bool:
     """Return whether Betti numbers are as wanted."""
     return bool(matches(pd.DataFrame([betti._asdict()]), target)[0])
+
+
+def find_empty(target: Target) -> str | None:
+    """Return the name of a range that holds no number, None where there is none.
+
+    >>> find_empty({"betti_0": 1, "betti_1": {"min": 3, "max": 1}})
+    'betti_1'
+    """
+    ranges = {name: wanted for name, wanted in target.items() if isinstance(wanted, dict)}
+    return next((n for n, r in ranges.items() if r.get("min", 0) > r.get("max", np.inf)), None)
 
 
 def describe(target: Target) -> str:

@@ -200,7 +200,8 @@ def _by_persistence(
         )
     thresholds = predicted["threshold"].to_numpy()
     short = count_alive(pairs[pairs["persistence"] < persistence], thresholds)
-    candidates = rank_candidates(predicted, pd.Series(short.sum(axis=1) == 0))
+    is_wanted = (short.sum(axis=1) == 0) & (predicted["cells"] > 0).to_numpy()
+    candidates = rank_candidates(predicted, pd.Series(is_wanted))
     chosen = _first_verified(cell_sets, candidates, {}, name)
     if chosen is not None:
         row, cells = chosen
@@ -226,7 +227,11 @@ def _by_persistence(
     for k, row in candidates.iterrows():
         cells = cut_sets.at(row["threshold"])
         expected = BettiNumbers(*longer[order[usable[order]][int(str(k))]].tolist())
-        if cells.predicted == expected and _is_verified(cells, cut_sets, {}, name):
+        if (
+            cells.kept.any()
+            and cells.predicted == expected
+            and _is_verified(cells, cut_sets, {}, name)
+        ):
             candidates.loc[[k], "status"] = CHOSEN
             n_removed = cells.count_dropped("component")
             reason = (
@@ -302,7 +307,7 @@ def _fixed(
     row["cell_margin"] = float(np.abs(cell_sets.levels - threshold).min())
     candidates = rank_candidates(predicted, predicted["cells"] < 0)
     words = f"the threshold {threshold:g}"
-    reason = "fixed by the configuration"
+    reason = "given"
     return _selection(cell_sets, predicted, row, cells, words, reason), candidates
 
 

@@ -10,6 +10,6 @@ rule slow_tests:
         "results/tests/logs/slow.log",
     conda:
         ENVIRONMENT
-    threads: workflow.cores
+    threads: 2
     shell:
         "python -m pytest -v -m slow --junitxml {output} {params.tests} >{log} 2>&1"
