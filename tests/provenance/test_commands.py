@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tusqh.cli.app import app
-from tusqh.errors import ProvenanceError
+from tusqh.errors import ConfigError, ProvenanceError, TusqhError
 from tusqh.provenance import rebuild
 
 FIGURE = "results/gap/figures/diagram.png"
@@ -20,7 +20,7 @@ def run(project):
     def run(*arguments, options=True):
         options = ["--snakefile", str(project.snakefile)] if options else []
         done = CliRunner(env={"COLUMNS": "400"}).invoke(app, [*arguments, *options])
-        if isinstance(done.exception, ProvenanceError):
+        if isinstance(done.exception, TusqhError):
             raise done.exception
         return done.exit_code, done.output
 
@@ -87,7 +87,7 @@ def test_trace_knows_a_figure_found_elsewhere(project, run, tmp_path, figure):
     slide.write_bytes(content[:-12] + b"\0\0\0\1tEXtx\0\0\0\0" + content[-12:])
     code, text = run("trace", str(slide), options=False)
     assert code == 0
-    assert f"{slide} is {figure}: other bytes, drawn from the same sources" in text
+    assert f"{slide} is {figure}: other bytes, with the mark of that figure" in text
 
 
 def test_trace_says_when_something_behind_has_changed(project, run):
@@ -95,6 +95,45 @@ def test_trace_says_when_something_behind_has_changed(project, run):
     code, text = run("trace", FIGURE, options=False)
     assert code == 1
     assert "changed since: results/gap/fractions.npz" in text
+
+
+def test_trace_says_when_a_step_read_something_else(project, run):
+    zeros = {"sha256": 64 * "0"}
+    project.edit_record(
+        "results/provenance/gap/export.json", lambda what: what["inputs"][0].update(zeros)
+    )
+    code, text = run("trace", "results/gap/export/mesh.msh", options=False)
+    assert code == 1
+    assert "changed since: results/gap/" in text
+
+
+def test_trace_says_when_a_record_is_missing(project, run):
+    (project / "results/provenance/gap/mesh.json").unlink()
+    code, text = run("trace", "results/gap/export/mesh.msh", options=False)
+    assert code == 1
+    assert "its record is missing" in text
+    code, text = run("verify")
+    assert code == 2
+    assert "--forcerun results/provenance/gap/mesh.json" in text
+
+
+def test_a_lock_that_is_broken_can_be_made_anew_and_one_that_is_not_there_is_an_error(project, run):
+    before = (project / "results/lock.json").read_bytes()
+    (project / "results/lock.json").write_text("<<<<<<< HEAD")
+    with pytest.raises(ConfigError, match="cannot be read as a lock"):
+        run("verify")
+    code, text = run("lock")
+    assert code == 0
+    assert "warning: " in text
+    assert (project / "results/lock.json").read_bytes() == before
+    with pytest.raises(ConfigError, match="there is no such lock"):
+        run("verify", "--lock", "other.json")
+
+
+def test_remedies_are_one_line(project, monkeypatch):
+    project.flip(FIGURE)
+    done = CliRunner(env={"COLUMNS": "40"}).invoke(app, ["verify"])
+    assert f"  remedy:   snakemake --cores 2 --force -- {FIGURE}\n" in done.output
 
 
 def test_trace_of_a_stranger(run, tmp_path):

@@ -6,9 +6,11 @@ import shutil
 
 import pytest
 
+from tusqh.errors import ConfigError, ProvenanceError
 from tusqh.provenance import check, compare
 from tusqh.provenance.environment import installed_versions
 from tusqh.provenance.findings import Outcome, merge
+from tusqh.provenance.register import read_register
 
 DIFFERENT, CANNOT_TELL, SAME = Outcome.DIFFERENT, Outcome.CANNOT_TELL, Outcome.SAME
 RECORDS = "results/provenance"
@@ -148,7 +150,7 @@ def test_a_changed_parameter_is_caught(project, old, new, key):
     report = project.verify()
     finding = find(report, f"parameter {key}")[0]
     assert finding.outcome is DIFFERENT
-    assert finding.remedy == project.plan().command
+    assert "--forcerun results/provenance/gap/" in finding.remedy
     assert not any(step.startswith("ring/") for step, outcome in report.outcomes.items() if outcome)
 
 
@@ -211,8 +213,88 @@ def test_missing_steps_and_another_lock_cannot_be_told(project):
     assert report.verdict is CANNOT_TELL
     assert report.outcomes["gap/mesh"] is SAME
     assert report.outcomes["ring/mesh"] is CANNOT_TELL
-    assert all(f.remedy == project.plan().command for f in find(report, "provenance/ring"))
+    assert all("--forcerun" in f.remedy for f in find(report, "provenance/ring"))
     assert "tusqh lock" in find(report, "results/lock.json")[0].remedy
+
+
+def edit_lock(project, change):
+    """Let a function change the lock, and write it as somebody would who edits it."""
+    lock = json.loads((project / "results/lock.json").read_text())
+    change(lock)
+    (project / "results/lock.json").write_text(json.dumps(lock))
+
+
+def test_what_only_the_lock_or_only_the_workflow_has_cannot_be_told(project):
+    def change(lock):
+        del lock["steps"]["gap/mesh"]["outputs"]["results/gap/mesh.vtu"]
+        lock["steps"]["gap/mesh"]["outputs"]["results/gap/old.vtu"] = {
+            "class": "exact",
+            "sha256": 64 * "0",
+        }
+        lock["steps"]["cow/mesh"] = lock["steps"]["gap/mesh"]
+        lock["sources"]["data_sources/gap.svg"] = 64 * "0"
+
+    edit_lock(project, change)
+    report = project.verify()
+    assert report.verdict is CANNOT_TELL
+    assert "nothing about the file" in find(report, "results/gap/mesh.vtu")[0].found
+    assert "does not write it today" in find(report, "results/gap/old.vtu")[0].found
+    assert "does not have today" in find(report, "results/lock.json")[0].found
+    assert any(f.file == "data_sources/gap.svg" and f.outcome is SAME for f in report.findings)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda lock: lock.update(environment={}),
+        lambda lock: lock.update(code=[]),
+        lambda lock: lock["steps"].update({"gap/mesh": None}),
+        lambda lock: lock["steps"]["gap/mesh"].pop("parameters"),
+        lambda lock: lock["steps"]["gap/mesh"]["outputs"]["results/gap/mesh.vtu"].pop("sha256"),
+        lambda lock: lock["steps"]["gap/mesh"]["outputs"]["results/gap/mesh.vtu"].update(
+            {"class": "bogus"}
+        ),
+        lambda lock: lock["steps"]["gap/mesh"]["outputs"]["results/gap/mesh.vtu"].update(
+            {"content": {}}
+        ),
+    ],
+)
+def test_a_broken_lock_is_explained(project, change):
+    edit_lock(project, change)
+    with pytest.raises(ConfigError, match="cannot be read as a lock"):
+        project.verify()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda what: what.update(outputs=5),
+        lambda what: what.update(outputs=None),
+        lambda what: what["inputs"][0].update(path=5),
+        lambda what: what.update(code="x"),
+        lambda what: what.update(code={}),
+        lambda what: what.update(parameters=[]),
+        lambda what: what.pop("model"),
+    ],
+)
+def test_a_broken_record_is_a_finding(project, change):
+    project.edit_record(f"{RECORDS}/gap/mesh.json", change)
+    report = project.verify()
+    (finding,) = find(report, f"{RECORDS}/gap/mesh.json")
+    assert "is not as a step writes it" in finding.found
+
+
+@pytest.mark.parametrize("how", ['{"seconds": "x"}', '{"seconds": null}', "[]", ""])
+def test_how_a_step_went_is_no_evidence(project, how):
+    (project / f"{RECORDS}/gap/mesh.how.json").write_text(how)
+    assert project.verify().verdict is SAME
+
+
+@pytest.mark.parametrize("content", [b"model,file\n", b"\xff", b""])
+def test_a_broken_register_is_explained(project, content):
+    (project / "data_sources/register.csv").write_bytes(content)
+    with pytest.raises(ProvenanceError, match=r"register\.csv"):
+        read_register(project.folder)
 
 
 @pytest.mark.parametrize("folder", ["results", RECORDS])
@@ -227,6 +309,8 @@ def test_what_means_nothing_in_the_code_is_not_caught(checkout):
     checkout.edit("tusqh/grid.py", "import numpy as np", "import numpy as np  # the arrays")
     checkout.edit("tusqh/grid.py", '"""', '"""Really: ')
     checkout.edit("workflow/scripts/mesh.py", "import json", "# what\n\nimport json")
+    checkout.edit("workflow/scripts/mesh.py", "import json", '"A mesh."\nimport json')
+    checkout.edit("workflow/scripts/docs.py", '"%d files"', "'%d files'")
     checkout.edit("workflow/rules/mesh.smk", "rule mesh:", "# the mesh\nrule mesh:")
     checkout.edit("workflow/claims.yaml", "- id: quads", "# squares\n- id: quads")
     checkout.edit("README.md", "# Tusqh", "# Tusqh!")

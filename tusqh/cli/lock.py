@@ -7,6 +7,7 @@ from pathlib import Path
 import typer
 from rich.console import Console
 
+from tusqh.cli.show import report_error
 from tusqh.cli.workflow import ConfigFiles, LockFile, Snakefile
 
 
@@ -20,6 +21,7 @@ def lock(
     Refused while something is missing or is not what its record says; claims may fail.
     Example: tusqh lock && git add results/lock.json
     """
+    from tusqh.errors import ConfigError
     from tusqh.provenance.lock import changed_outputs, make_lock, read_lock, write_lock
     from tusqh.provenance.plan import make_plan
     from tusqh.provenance.stored import read_records
@@ -27,7 +29,12 @@ def lock(
 
     plan, records = make_plan(snakefile, configfile or []), read_records()
     require_lockable(plan, records)
-    old, new = read_lock(lock), make_lock(plan, records)
+    new = make_lock(plan, records)
+    try:
+        old = read_lock(lock)
+    except ConfigError as reason:  # A new one replaces it.
+        report_error(f"warning: {reason}")
+        old = None
     write_lock(new, lock)
     console = Console()
     for path, change in changed_outputs(old, new):

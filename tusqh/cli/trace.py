@@ -44,14 +44,18 @@ def trace(
     match = find_output(path, records)
     origin = trace_file(match.path, records, read_register(Path(), PACKAGE_ROOT))
     console = Console()
-    console.print(f"{name} is {match.path}: {match.how}", markup=False, highlight=False)
+    console.print(
+        f"{name} is {match.path}: {match.how}", markup=False, highlight=False, soft_wrap=True
+    )
     shown: set[str] = set()
     tree = Tree(_label(origin))
     _grow(tree, origin, shown)
     console.print(tree)
     changed = _changed(origin) | ({name} if "bytes are not" in match.how else set())
     for file in sorted(changed):
-        console.print(f"changed since: {file}", style="red", markup=False, highlight=False)
+        console.print(
+            f"changed since: {file}", style="red", markup=False, highlight=False, soft_wrap=True
+        )
     raise typer.Exit(1 if changed else 0)
 
 
@@ -65,6 +69,8 @@ def _grow(tree: Tree, origin: Origin, shown: set[str]) -> None:
 
 
 def _label(origin: Origin) -> str:
+    from tusqh.provenance.trace import lacks_record
+
     state = "" if origin.is_same else " [red]changed since[/]"
     lines = [f"[bold]{escape(origin.path)}[/] [dim]SHA-256 {origin.sha256[:12]}[/]{state}"]
     if origin.step:
@@ -78,6 +84,8 @@ def _label(origin: Origin) -> str:
         lines.append(escape(f"licence: {origin.source['licence']}"))
         if origin.source["url"]:
             lines.append(escape(origin.source["url"]))
+    elif lacks_record(origin.path):
+        lines.append("its record is missing: tusqh verify says how to make it anew")
     else:
         lines.append("not in data_sources/register.csv: origin and licence unknown")
     return "\n".join(lines)

@@ -34,12 +34,20 @@ def verify(
     Exit code 0: the same; 1: different; 2: cannot tell, because something is missing.
     Example: tusqh verify --rebuild chesapeake
     """
-    from tusqh.provenance.lock import read_lock
+    from tusqh.errors import ConfigError
+    from tusqh.provenance.lock import LOCK, read_lock
     from tusqh.provenance.plan import make_plan
     from tusqh.provenance.rebuild import rebuild_model
     from tusqh.provenance.stored import read_records
     from tusqh.provenance.verify import verify as verify_results
 
+    if lock != LOCK and not lock.is_file():
+        raise ConfigError(
+            "there is no such lock",
+            where=str(lock),
+            expected="a file that `tusqh lock` wrote",
+            remedy="check the path",
+        )
     plan = make_plan(snakefile, configfile or [])
     report = verify_results(plan, read_records(), read_lock(lock))
     if rebuild:
@@ -62,14 +70,20 @@ def _show(report: Report) -> None:
             continue
         colour = _COLOURS[finding.outcome.text]
         where = f" ({finding.step})" if finding.step else ""
-        console.print(f"\n[{colour}]{finding.outcome.text}[/]: {escape(finding.file + where)}")
-        console.print(f"  found:    {finding.found}", markup=False, highlight=False)
-        console.print(f"  expected: {finding.expected}", markup=False, highlight=False)
-        console.print(f"  remedy:   {finding.remedy}", markup=False, highlight=False)
+        console.print(
+            f"\n[{colour}]{finding.outcome.text}[/]: {escape(finding.file + where)}", soft_wrap=True
+        )
+        console.print(f"  found:    {finding.found}", markup=False, highlight=False, soft_wrap=True)
+        console.print(
+            f"  expected: {finding.expected}", markup=False, highlight=False, soft_wrap=True
+        )
+        console.print(
+            f"  remedy:   {finding.remedy}", markup=False, highlight=False, soft_wrap=True
+        )
     remarks = [f for f in merge(report.findings) if f.outcome is Outcome.SAME]
     for remark in remarks:
         text = f"note: {remark.file}: {remark.found}; expected: {remark.expected}"
-        console.print(text, markup=False, highlight=False)
+        console.print(text, markup=False, highlight=False, soft_wrap=True)
     colour = _COLOURS[report.verdict.text]
     share = report.recording_share
     cost = "" if share is None else f"; recording took {100 * share:.1f} % of the steps' time"

@@ -15,7 +15,7 @@ from tusqh.provenance.findings import Finding, Outcome
 from tusqh.provenance.hashing import hash_file
 from tusqh.provenance.plan import Plan, Step
 from tusqh.provenance.register import REGISTER
-from tusqh.provenance.stored import Record, read_code_list
+from tusqh.provenance.stored import RECORDS, Record, read_code_list
 
 DIFFERENT, CANNOT_TELL, SAME = Outcome.DIFFERENT, Outcome.CANNOT_TELL, Outcome.SAME
 
@@ -41,13 +41,15 @@ def check_records(
     for step in plan.steps.values():
         record = records.get(step.key)
         if record is None:
+            # Snakemake does not miss a record beside outputs.
+            is_lost = any(Path(path).exists() for path in step.outputs)
             yield Finding(
                 CANNOT_TELL,
                 step.key,
-                str(step.record),
-                "no record: the step has not run",
-                "the step's record and outputs",
-                plan.command,
+                str(step.record) if is_lost else str(RECORDS),
+                "no record of outputs that are there" if is_lost else "steps that have not run",
+                "the step's record" if is_lost else "their records and outputs",
+                plan.rerun(str(step.record)) if is_lost else plan.command,
             )
         elif record.problem:
             yield Finding(
@@ -108,8 +110,8 @@ def _check_plan(plan: Plan, step: Step, record: Record) -> Iterator[Finding]:
                 step.key,
                 f"parameter {name}",
                 f"the step was run with {old}",
-                f"{new}, as the configuration says today",
-                plan.command,
+                f"{new}, as the workflow would today",
+                plan.rerun(str(step.record)),
             )
 
 
@@ -129,7 +131,7 @@ def _check_code(plan: Plan, step: Step, record: Record) -> Iterator[Finding]:
             file,
             f"code with {short(new)}" if new else "no longer imported",
             f"{short(old)}, when the step ran" if old else "as it was when the step ran",
-            plan.command,
+            f"{plan.command}; with --forceall where it finds nothing to do",
         )
 
 
@@ -140,11 +142,12 @@ def _check_environment(
         return
     was = record.how.get("versions", {})
     changed = changed_versions(was, versions) if was else []
+    unknown = "the same versions, another digest: the record may be edited" if was else "others"
     yield Finding(
         CANNOT_TELL,
         step.key,
         "environment",
-        "installed now: " + (", ".join(new for _, new in changed) or "something else"),
+        "installed now: " + (", ".join(new for _, new in changed) or unknown),
         "as when the step ran: " + (", ".join(old for old, _ in changed) or "another"),
         f"pip install -r requirements.lock; or {plan.command} --forceall",
     )

@@ -31,6 +31,11 @@ def code_fingerprint(script: str, *, base: Path) -> dict[str, str]:
     return {"script": script, "sha256": hash_value(code_files(script, base=base))}
 
 
+def syntax_digest(source: bytes) -> str:
+    """Return a SHA-256 of Python code without comments, docstrings and layout."""
+    return _digest(ast.parse(source))
+
+
 def list_code(script: str, *, base: Path, folder: Path) -> None:
     """Write down which files a fingerprint stands for, as ``<folder>/<fingerprint>.json``.
 
@@ -89,7 +94,7 @@ class _Source:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.tree = ast.parse(path.read_bytes()) if path.suffix == ".py" else None
-        self.digest = hash_file(path) if self.tree is None else hash_value(_said(self.tree))
+        self.digest = hash_file(path) if self.tree is None else _digest(self.tree)
         self.known: dict[tuple[Path, bool], list[tuple[Path, bool]]] = {}
 
     def dependencies(self, scripts: Path, whole: bool) -> list[tuple[Path, bool]]:
@@ -193,6 +198,10 @@ def _is_docstring(node: object) -> bool:
         and isinstance(node.value, ast.Constant)
         and isinstance(node.value.value, str)
     )
+
+
+def _digest(tree: ast.AST) -> str:
+    return hash_value(_said(tree))
 
 
 def _said(node: object) -> str:

@@ -96,6 +96,7 @@ class Comparison:
     def findings(self) -> Iterator[Finding]:
         """Find outputs that are not the lock's, steps it does not have, and what has changed."""
         yield from self._remarks()
+        yield from self._gone()
         for key, step in self.plan.steps.items():
             if key in self.records and key not in self.lock["steps"]:
                 yield Finding(
@@ -105,6 +106,11 @@ class Comparison:
                 continue
             for path in step.outputs:
                 digest, entry = self._recorded(step, path), self._locked(step, path)
+                if digest and entry is None:
+                    yield Finding(
+                        *(CANNOT_TELL, key, path, "nothing about the file in the lock"),
+                        *("what it should be", _ACCEPT),
+                    )
                 kind, why = self.reach(path)
                 if kind is None and digest and entry and digest_now(path) == digest:
                     yield Finding(
@@ -116,6 +122,22 @@ class Comparison:
                         f"tusqh trace {path}; {_ACCEPT}",
                     )
 
+    def _gone(self) -> Iterator[Finding]:
+        """Find what the lock knows and the workflow does not make today."""
+        for key, locked in self.lock["steps"].items():
+            step = self.plan.steps.get(key)
+            if step is None:
+                yield Finding(
+                    *(CANNOT_TELL, key, str(LOCK), "steps that the workflow does not have today"),
+                    *("the workflow that was locked", f"use its configuration; or {_ACCEPT}"),
+                )
+                continue
+            for path in sorted(locked["outputs"].keys() - set(step.outputs)):
+                yield Finding(
+                    *(CANNOT_TELL, key, path, "the step does not write it today"),
+                    *("a result that was locked", _ACCEPT),
+                )
+
     def _remarks(self) -> Iterator[Finding]:
         """Say what has changed since the lock; the results may be equal all the same."""
         was = {**self.lock["environment"]["versions"]}
@@ -126,6 +148,10 @@ class Comparison:
         if changes:
             old, new = (", ".join(side) for side in zip(*changes, strict=True))
             yield _remark("", "environment", f"installed now: {new}", f"when locked: {old}")
+        for path, digest in self.lock["sources"].items():
+            found = digest_now(path)
+            if found and found != digest:
+                yield _remark("", path, f"a source with {short(found)}", f"{short(digest)} locked")
         code: dict[str, str] = {}
         for key, record in self.records.items():
             locked = self.lock["steps"].get(key)

@@ -5,6 +5,7 @@ The content is a skeleton, which must be equal, and real numbers, which may diff
 
 from __future__ import annotations
 
+import ast
 import csv
 import hashlib
 import io
@@ -17,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from tusqh.grid import FloatArray
+from tusqh.provenance.code import syntax_digest
 from tusqh.provenance.hashing import hash_value
 
 #: More numbers than this are summarised by a sketch.
@@ -166,8 +168,10 @@ def read_content(path: Path) -> Content | None:
     if path.suffix == ".npz":
         with np.load(path) as file:
             return of_arrays({name: file[name] for name in file.files})
-    if path.suffix in {".py", ".smk"} or path.name == "Snakefile":
-        return _of_code(path.read_bytes())
+    if path.suffix == ".py":
+        return Content(syntax_digest(path.read_bytes()), {})
+    if path.suffix == ".smk" or path.name == "Snakefile":
+        return _of_workflow(path.read_bytes())
     if path.suffix in {".vtu", ".vtp"}:
         return content_of_meshes.of_vtk(path)
     if path.suffix in {".msh", ".exo"}:
@@ -222,11 +226,18 @@ def _of_text(text: str, *, scaled: bool) -> Content:
     return Content(hash_value(_REAL.sub("#", text)), {"numbers": numbers})
 
 
-def _of_code(source: bytes) -> Content:
-    """Return the content of Python or Snakemake code: its words without comments and docstrings."""
-    words = [
-        (token.type, token.string)
-        for token in tokenize.tokenize(io.BytesIO(source).readline)
-        if token.type not in (tokenize.COMMENT, tokenize.NL) and not token.string.startswith('"""')
-    ]
+def _of_workflow(source: bytes) -> Content:
+    """Return the content of Snakemake code: its words, without comments, docstrings and layout."""
+    words: list[tuple[int, str]] = []
+    for token in tokenize.tokenize(io.BytesIO(source).readline):
+        kind, text = token.type, token.string
+        if kind in (tokenize.COMMENT, tokenize.NL) or text.startswith('"""'):
+            continue
+        if kind == tokenize.INDENT:
+            text = ""  # However deep.
+        if kind == tokenize.STRING:
+            text = repr(ast.literal_eval(text))
+        if kind == tokenize.OP and text in ")]}" and words[-1][1] == ",":
+            words.pop()
+        words.append((kind, text))
     return Content(hash_value(words), {})

@@ -17,7 +17,7 @@ from tusqh.atomic import write_text
 from tusqh.errors import ConfigError
 from tusqh.provenance.content import read_content
 from tusqh.provenance.environment import describe_platform, installed_versions
-from tusqh.provenance.equality import TOLERANCE, class_of
+from tusqh.provenance.equality import TOLERANCE, Equality, class_of
 from tusqh.provenance.hashing import canonical_json
 from tusqh.provenance.plan import Plan
 from tusqh.provenance.stored import Record, read_code_list
@@ -25,11 +25,27 @@ from tusqh.provenance.stored import Record, read_code_list
 #: Where the lock is, beside the results.
 LOCK = Path("results/lock.json")
 _VERSION = 1
-_SCHEMA = {
-    "type": "object",
-    "required": ["lock", "environment", "code", "sources", "steps"],
-    "properties": {"lock": {"const": _VERSION}, "steps": {"type": "object"}},
-}
+
+
+def _object(*, each: Any = None, **properties: Any) -> dict[str, Any]:
+    """Return the schema of an object with these properties, or with any of one kind."""
+    others = {} if each is None else {"additionalProperties": each}
+    return {"type": "object", "required": list(properties), "properties": properties, **others}
+
+
+_TEXT = {"type": "string"}
+_TEXTS = _object(each=_TEXT)
+_NUMBERS = _object(scale={"type": ["number", "string"]}, values={"type": "array"})
+_OUTPUT = _object(**{"class": {"enum": [str(kind) for kind in Equality]}, "sha256": _TEXT})
+_OUTPUT["properties"]["content"] = _object(skeleton=_TEXT, numbers=_object(each=_NUMBERS))
+_STEP = _object(parameters={"type": "object"}, code=_TEXT, outputs=_object(each=_OUTPUT))
+_SCHEMA = _object(
+    lock={"const": _VERSION},
+    environment=_object(versions=_TEXTS, python=_TEXT, platform=_TEXT),
+    code=_TEXTS,
+    sources=_TEXTS,
+    steps=_object(each=_STEP),
+)
 
 
 def make_lock(plan: Plan, records: dict[str, Record]) -> dict[str, Any]:

@@ -15,6 +15,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import yaml
+
 from tusqh.errors import ConfigError
 from tusqh.provenance.record import RECORD_OUTPUTS, inputs_of
 
@@ -83,6 +85,10 @@ class Plan:
         """The step that each record is of; some steps read the records of others."""
         return {str(step.record): step for step in self.steps.values()}
 
+    def rerun(self, file: str) -> str:
+        """Return the command that makes a file again, and then whatever depends on it."""
+        return f"{self.command} --forcerun {shlex.quote(file)}"
+
     def remake(self, *files: str) -> str:
         """Return the command that makes some files again, whatever Snakemake thinks of them."""
         return f"{self.command} --force -- {shlex.join(files)}"
@@ -147,7 +153,7 @@ def _load(snakefile: Path, config_files: Sequence[Path]) -> Any:
             # The call builds the graph of jobs; what it prints is of no interest.
             workflow.dag(DAGSettings()).printrulegraph()
             return workflow._workflow
-    except (WorkflowError, OSError) as reason:
+    except (WorkflowError, OSError, SyntaxError, ValueError, yaml.YAMLError) as reason:
         raise ConfigError(
             f"the workflow cannot be planned: {reason}",
             where=str(snakefile),

@@ -92,4 +92,5 @@ def _compare(model: str, folder: Path, plan: Plan, records: dict[str, Record]) -
                 findings.append(Finding(DIFFERENT, key, path, found, expected, remedy))
     counts = Counter(str(kind or "different") for kind in classes.values())
     text = ", ".join(f"{n} {kind}" for kind, n in counts.items())
-    return [*findings, Finding(SAME, model, "rebuild", f"{len(classes)} outputs", text, "nothing")]
+    found, expected = f"{len(classes)} outputs made anew: {text}", "each equal in its class"
+    return [*findings, Finding(SAME, model, "rebuild", found, expected, "nothing")]

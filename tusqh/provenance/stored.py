@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tusqh.provenance.hashing import canonical_json
+from tusqh.provenance.hashing import canonical_json, hash_value
 
 #: Where all records are, and in it the files that each fingerprint of code stands for.
 RECORDS = Path("results/provenance")
 CODE = "code"
 
-_KEYS = {"step", "model", "parameters", "code", "inputs", "outputs", "environment"}
 _HOW = ".how.json"
 
 
@@ -57,22 +57,58 @@ def read_records(folder: Path = RECORDS) -> dict[str, Record]:
 
 def read_code_list(fingerprint: str, folder: Path = RECORDS) -> dict[str, str]:
     """Return the files that a fingerprint of code stands for; empty when that is not known."""
-    return _json(folder / CODE / f"{fingerprint}.json")
+    files = _json(folder / CODE / f"{fingerprint}.json")
+    return files if hash_value(files) == fingerprint else {}
 
 
 def _read(path: Path) -> Record:
     how = _json(path.with_name(path.stem + _HOW))
     what = _json(path)
-    if what.keys() != _KEYS:
-        odd = ", ".join(sorted(what.keys() ^ _KEYS)) if what else "no JSON object"
-        return Record({"outputs": [], "inputs": []}, how, f"is not as a step writes it: {odd}")
-    for entries in (what["inputs"], what["outputs"]):
-        if any(not isinstance(e, dict) or e.keys() != {"path", "sha256", "size"} for e in entries):
-            problem = "is not as a step writes it: inputs, outputs"
-            return Record({"outputs": [], "inputs": []}, how, problem)
+    odd = _find_odd(what)
+    if odd:
+        problem = f"is not as a step writes it: {', '.join(odd)}"
+        return Record({"outputs": [], "inputs": []}, how, problem)
     if path.read_text("utf-8") != canonical_json(what):
         return Record(what, how, "was written by something else than a step")
     return Record(what, how)
+
+
+def _find_odd(what: dict[str, Any]) -> list[str]:
+    """Return the parts of a record that are missing, unknown or of the wrong kind."""
+    if not what:
+        return ["no JSON object"]
+    return sorted(what.keys() ^ _KINDS.keys()) or [
+        key for key, is_right in _KINDS.items() if not is_right(what[key])
+    ]
+
+
+def _are_files(value: Any) -> bool:
+    return isinstance(value, list) and all(
+        isinstance(entry, dict)
+        and entry.keys() == _FILE.keys()
+        and all(isinstance(entry[key], kind) for key, kind in _FILE.items())
+        for entry in value
+    )
+
+
+def _is_code(value: Any) -> bool:
+    return (
+        isinstance(value, dict)
+        and value.keys() == {"script", "sha256"}
+        and all(isinstance(text, str) for text in value.values())
+    )
+
+
+_FILE = {"path": str, "sha256": str, "size": int}
+_KINDS: dict[str, Callable[[Any], bool]] = {
+    "step": lambda value: isinstance(value, str),
+    "model": lambda value: value is None or isinstance(value, str),
+    "parameters": lambda value: isinstance(value, dict),
+    "code": _is_code,
+    "inputs": _are_files,
+    "outputs": _are_files,
+    "environment": lambda value: isinstance(value, str),
+}
 
 
 def _json(path: Path) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +10,7 @@ from tusqh.errors import ProvenanceError
 from tusqh.provenance.check import digest_now
 from tusqh.provenance.hashing import hash_file
 from tusqh.provenance.stamp import read_mark, source_mark
-from tusqh.provenance.stored import Record
+from tusqh.provenance.stored import RECORDS, Record
 
 
 @dataclass(frozen=True)
@@ -72,10 +72,10 @@ def find_output(path: Path, records: dict[str, Record]) -> Match:
     name = path.as_posix()
     known = {p: digest for r in records.values() for p, digest in (r.outputs | r.inputs).items()}
     mark = None
+    if name in known and digest_now(name) == known[name]:
+        return Match(name, "as recorded")
     if path.is_file():
         digest = hash_file(path)
-        if known.get(name) == digest:
-            return Match(name, "as recorded")
         for other, recorded in known.items():
             if recorded == digest:
                 return Match(other, "the same bytes")
@@ -84,7 +84,7 @@ def find_output(path: Path, records: dict[str, Record]) -> Match:
             figure = str(mark and mark.get("file"))
             is_known = figure in record.outputs and not record.problem
             if is_known and mark == source_mark(record.what, figure):
-                return Match(figure, "other bytes, drawn from the same sources")
+                return Match(figure, "other bytes, with the mark of that figure")
     if name in known:
         return Match(name, "the name only: its bytes are not those recorded")
     if mark:
@@ -102,6 +102,15 @@ def find_output(path: Path, records: dict[str, Record]) -> Match:
     )
 
 
+def lacks_record(path: str) -> bool:
+    """Return whether a file that no step has a record of should have one.
+
+    >>> lacks_record("results/cow/mesh.vtu"), lacks_record("data_sources/cow.stl")
+    (True, False)
+    """
+    return Path(path).is_relative_to("results") and not Path(path).is_relative_to(RECORDS)
+
+
 def trace(path: str, records: dict[str, Record], register: dict[str, dict[str, str]]) -> Origin:
     """Return where a recorded output or source comes from."""
     makers = {p: key for key, r in records.items() if not r.problem for p in r.outputs}
@@ -116,7 +125,8 @@ def trace(path: str, records: dict[str, Record], register: dict[str, dict[str, s
     def make(name: str) -> Origin:
         if name not in makers:
             digest = read[name]
-            same = digest_now(name) == digest
+            # A result that no step has a record of is not as any step wrote it.
+            same = digest_now(name) == digest and not lacks_record(name)
             return Origin(name, digest, same, source=register.get(name, {}))
         record = records[makers[name]]
         digest = record.outputs[name]
@@ -127,7 +137,11 @@ def trace(path: str, records: dict[str, Record], register: dict[str, dict[str, s
             step=makers[name],
             parameters=record.what["parameters"],
             code=record.what["code"],
-            inputs=tuple(origin(source) for source in sorted(record.inputs)),
+            inputs=tuple(as_read(origin(p), digest) for p, digest in sorted(record.inputs.items())),
         )
+
+    def as_read(source: Origin, digest: str) -> Origin:
+        """Return a source, as changed where a step read something else than is recorded."""
+        return source if source.sha256 == digest else replace(source, is_same=False)
 
     return origin(path)

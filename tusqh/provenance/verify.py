@@ -134,9 +134,11 @@ def require_lockable(plan: Plan, records: dict[str, Record]) -> None:
 
 def recording_share(records: dict[str, Record]) -> float | None:
     """Return which part of the time of all recorded steps their recording took."""
-    hows = [record.how for record in records.values() if "seconds" in record.how]
-    recording = sum(how.get("seconds_of_recording", 0.0) for how in hows)
-    total = recording + sum(how["seconds"] for how in hows)
+    keys = ("seconds", "seconds_of_recording")
+    times = [[record.how.get(key) for key in keys] for record in records.values()]
+    known = [pair for pair in times if all(isinstance(time, int | float) for time in pair)]
+    working, recording = (sum(column) for column in zip(*known, strict=True)) if known else (0, 0)
+    total = recording + working
     return recording / total if total else None
 
 

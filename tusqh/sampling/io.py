@@ -13,16 +13,25 @@ from tusqh.errors import SamplingError
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import VolumeFractions
 
+#: Bytes from which zip needs its larger headers, with room for the array's own.
+_LARGE = 2**31 - 2**16
+
 
 def save_fractions(path: Path, fractions: VolumeFractions) -> None:
     """Write fractions as integer multiples of `RESOLUTION`; whole or not at all."""
-    with replacing(path) as temporary:
-        np.savez_compressed(
-            temporary,
-            multiples=fractions.multiples.astype(np.int64),
-            samples=np.int64(fractions.samples),
-            grid=np.array(json.dumps(fractions.grid.to_dict())),
-        )
+    arrays = {
+        "multiples": fractions.multiples.astype(np.int64),
+        "samples": np.array(fractions.samples, dtype=np.int64),
+        "grid": np.array(json.dumps(fractions.grid.to_dict())),
+    }
+    with replacing(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
+        for name, array in arrays.items():
+            # As `numpy.savez_compressed`, whose headers depend on the version of Python.
+            entry = zipfile.ZipInfo(f"{name}.npy")
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            is_large = array.nbytes >= _LARGE
+            with archive.open(entry, "w", force_zip64=is_large) as stream:
+                np.lib.format.write_array(stream, array, allow_pickle=False)
 
 
 def load_fractions(path: Path) -> VolumeFractions:
