@@ -236,7 +236,7 @@ def _of_workflow(source: bytes) -> Content:
         if kind == tokenize.INDENT:
             text = ""  # However deep.
         if kind == tokenize.STRING:
-            text = repr(ast.literal_eval(text))
+            text = ast.dump(ast.parse(text, mode="eval"))  # Whatever its quotes.
         if kind == tokenize.OP and text in ")]}" and words[-1][1] == ",":
             words.pop()
         words.append((kind, text))
