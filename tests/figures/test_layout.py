@@ -8,7 +8,9 @@ import pytest
 from matplotlib import pyplot as plt
 
 from tusqh.antialias.cells import CellSets
+from tusqh.antialias.policy import Policy
 from tusqh.antialias.resolve import build_mesh
+from tusqh.figures.antialias import draw_antialias
 from tusqh.figures.contaminant import draw_contaminant
 from tusqh.figures.field import draw_field
 from tusqh.figures.thresholds import draw_thresholds
@@ -75,3 +77,17 @@ def test_contaminants(fractions):
     fields = [10.0 ** -np.linspace(0, n, len(mesh.points)) for n in range(6)]
     table = pd.DataFrame({"step": [0, 50, 100, 200, 400, 800], "time_s": np.arange(6) * 5.0})
     check_words(draw_contaminant(mesh.points, mesh.cells, fields, table, name="plate", unit="mm"))
+
+
+def test_pinches_are_those_of_the_tables(fractions):
+    """Neither those of components that are gone nor those of holes that are filled."""
+    policy = {"components": {"min_cells": 5}, "holes": {"min_cells": 3}}
+    cells = CellSets(fractions, Policy.from_settings(policy)).at(0.5)
+    assert len(cells.dropped)
+    built = build_mesh(cells, fractions.grid, name="plate")
+    figure = draw_antialias(fractions, built.mesh, threshold=0.5, unit="mm")
+    n_pinches = built.cells.decisions.n_pinches
+    assert figure.axes[0].get_title().endswith(f"({n_pinches})")
+    (dots,) = figure.axes[0].lines
+    assert len(dots.get_xdata()) == n_pinches
+    plt.close(figure)
