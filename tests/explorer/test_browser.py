@@ -458,3 +458,18 @@ def test_an_image_has_cells_and_a_mesh_but_no_geometry_to_show(browser, tmp_path
     opened.page.keyboard.press("ArrowLeft")  # Around the end, to the other one.
     assert opened.evaluate("explorer.view") == "mesh"
     assert opened.messages == []
+
+
+@pytest.mark.parametrize("width", [1000, 600, 390])
+def test_narrow_windows_show_the_picture_and_nothing_beside_them(opened, width):
+    page = opened.page
+    usual = page.viewport_size
+    name = opened.text("#model-name")
+    opened.evaluate("document.getElementById('model-name').textContent = 'long name '.repeat(5)")
+    page.set_viewport_size({"width": width, "height": 800})
+    height = opened.evaluate("document.getElementById('gl').clientHeight")
+    wide = opened.evaluate("document.documentElement.scrollWidth")
+    page.set_viewport_size(usual)
+    opened.evaluate("n => { document.getElementById('model-name').textContent = n; }", name)
+    assert height > 100
+    assert wide <= width
