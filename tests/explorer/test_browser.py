@@ -13,6 +13,8 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.policy import Policy
 from tusqh.explorer.page import make_page
 from tusqh.geometry.image import Image
+from tusqh.grid import BackgroundGrid
+from tusqh.sampling.fractions import VolumeFractions
 from tusqh.topology.persistence import count_alive
 
 #: These make WebGL work without a graphics card, and keep the browser from calling home.
@@ -473,3 +475,37 @@ def test_narrow_windows_show_the_picture_and_nothing_beside_them(opened, width):
     opened.evaluate("n => { document.getElementById('model-name').textContent = n; }", name)
     assert height > 100
     assert wide <= width
+
+
+@pytest.fixture(scope="module")
+def sparse(browser, tmp_path_factory):
+    """A page on two hills, whose runs of one, two and one component were examined at the ends."""
+    heights = np.interp(np.arange(61), [0, 18, 38, 48, 60], [0.01, 1.0, 0.3, 0.7, 0.01])
+    grid = BackgroundGrid(shape=(30, 2), cell_size=0.5, origin=(0.0, 0.0))
+    fractions = VolumeFractions.from_values(grid, 4, np.repeat(heights[:, None], 5, axis=1))
+    subject = make_subject(fractions, threshold=0.1)
+    every = subject.topologies
+    run = (every["betti_0"].diff() != 0).cumsum()
+    is_end = (run != run.shift()) | (run != run.shift(-1))
+    is_chosen = (every["lower"] < 0.1) & (every["upper"] >= 0.1)
+    path = tmp_path_factory.mktemp("explorer") / "sparse.html"
+    page = make_page(replace(subject, topologies=every[is_end | is_chosen]))
+    path.write_text(page, encoding="utf-8")
+    opened = Opened(browser, path)
+    yield opened
+    assert opened.messages == []
+    opened.page.close()
+
+
+def test_the_middle_of_a_run_is_a_plateau_that_was_examined(sparse):
+    runs = sparse.evaluate("explorer.plateaus.runs")
+    assert [run["betti"] for run in runs] == [[1, 0, 0], [2, 0, 0], [1, 0, 0]]
+    for run in runs:
+        assert run["start"] + 1 < run["end"]
+        assert run["start"] <= run["middle"] <= run["end"]
+        assert sparse.evaluate("p => explorer.plateaus.mesh(p)", run["middle"]) == run["betti"]
+    sparse.evaluate("explorer.step('most')")
+    sparse.page.focus("#slider")
+    for _ in runs:
+        sparse.page.keyboard.press("PageDown")
+        assert sparse.evaluate("explorer.state().mesh") is not None
