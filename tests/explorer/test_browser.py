@@ -509,3 +509,17 @@ def test_the_middle_of_a_run_is_a_plateau_that_was_examined(sparse):
     for _ in runs:
         sparse.page.keyboard.press("PageDown")
         assert sparse.evaluate("explorer.state().mesh") is not None
+
+
+def test_numbers_of_the_filtration_are_called_so_once(sparse):
+    sparse.evaluate("explorer.setPlateau(explorer.plateaus.runs[0].start + 1)")
+    assert sparse.evaluate("explorer.state().mesh") is None
+    assert sparse.text("#betti").count("not predicted") == 1
+    for element in ("#betti", "#betti p"):
+        fits = "(e) => e.scrollWidth <= e.clientWidth"
+        assert sparse.page.locator(element).evaluate(fits)
+    spoken = sparse.page.get_attribute("#slider", "aria-valuetext")
+    assert "(of the filtration; mesh not predicted here)" in spoken
+    sparse.evaluate("explorer.step('chosen')")
+    assert "filtration;" not in sparse.text("#betti")
+    assert "filtration" not in sparse.page.get_attribute("#slider", "aria-valuetext")
