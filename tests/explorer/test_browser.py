@@ -523,3 +523,13 @@ def test_numbers_of_the_filtration_are_called_so_once(sparse):
     sparse.evaluate("explorer.step('chosen')")
     assert "filtration;" not in sparse.text("#betti")
     assert "filtration" not in sparse.page.get_attribute("#slider", "aria-valuetext")
+
+
+def test_the_ends_of_a_plateau_differ(opened):
+    for ends, shown in (
+        ([0.4375, 0.4375 + 2**-20], ["0.4375", "0.437501"]),
+        ([1 - 2**-20, 1], ["0.999999", "1"]),
+        ([0.25, 0.5], ["0.25", "0.5"]),
+        ([0, 2**-20], ["0", "9.54e-7"]),
+    ):
+        assert opened.evaluate("([low, high]) => showApart(low, high)", ends) == shown

@@ -302,7 +302,8 @@ class Explorer {
     const now = this.state();
     const { grid, chosen } = this.facts;
     byId('threshold').textContent = show(now.threshold, 8);
-    byId('interval').textContent = `plateau ${show(now.lower, 5)} < t \u2264 ${show(now.upper, 5)}`;
+    const [lower, upper] = showApart(now.lower, now.upper);
+    byId('interval').textContent = `plateau ${lower} < t \u2264 ${upper}`;
     const betti = now.mesh || now.raw;
     byId('betti').replaceChildren(...this.dimensions.map((k) => {
       const row = element('div');
