@@ -13,6 +13,8 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.policy import Policy
 from tusqh.explorer.page import make_page
 from tusqh.geometry.image import Image
+from tusqh.grid import BackgroundGrid
+from tusqh.sampling.fractions import VolumeFractions
 from tusqh.topology.persistence import count_alive
 
 #: These make WebGL work without a graphics card, and keep the browser from calling home.
@@ -458,3 +460,76 @@ def test_an_image_has_cells_and_a_mesh_but_no_geometry_to_show(browser, tmp_path
     opened.page.keyboard.press("ArrowLeft")  # Around the end, to the other one.
     assert opened.evaluate("explorer.view") == "mesh"
     assert opened.messages == []
+
+
+@pytest.mark.parametrize("width", [1000, 600, 390])
+def test_narrow_windows_show_the_picture_and_nothing_beside_them(opened, width):
+    page = opened.page
+    usual = page.viewport_size
+    name = opened.text("#model-name")
+    opened.evaluate("document.getElementById('model-name').textContent = 'long name '.repeat(5)")
+    page.set_viewport_size({"width": width, "height": 800})
+    height = opened.evaluate("document.getElementById('gl').clientHeight")
+    wide = opened.evaluate("document.documentElement.scrollWidth")
+    page.set_viewport_size(usual)
+    opened.evaluate("n => { document.getElementById('model-name').textContent = n; }", name)
+    assert height > 100
+    assert wide <= width
+
+
+@pytest.fixture(scope="module")
+def sparse(browser, tmp_path_factory):
+    """A page on two hills, whose runs of one, two and one component were examined at the ends."""
+    heights = np.interp(np.arange(61), [0, 18, 38, 48, 60], [0.01, 1.0, 0.3, 0.7, 0.01])
+    grid = BackgroundGrid(shape=(30, 2), cell_size=0.5, origin=(0.0, 0.0))
+    fractions = VolumeFractions.from_values(grid, 4, np.repeat(heights[:, None], 5, axis=1))
+    subject = make_subject(fractions, threshold=0.1)
+    every = subject.topologies
+    run = (every["betti_0"].diff() != 0).cumsum()
+    is_end = (run != run.shift()) | (run != run.shift(-1))
+    is_chosen = (every["lower"] < 0.1) & (every["upper"] >= 0.1)
+    path = tmp_path_factory.mktemp("explorer") / "sparse.html"
+    page = make_page(replace(subject, topologies=every[is_end | is_chosen]))
+    path.write_text(page, encoding="utf-8")
+    opened = Opened(browser, path)
+    yield opened
+    assert opened.messages == []
+    opened.page.close()
+
+
+def test_the_middle_of_a_run_is_a_plateau_that_was_examined(sparse):
+    runs = sparse.evaluate("explorer.plateaus.runs")
+    assert [run["betti"] for run in runs] == [[1, 0, 0], [2, 0, 0], [1, 0, 0]]
+    for run in runs:
+        assert run["start"] + 1 < run["end"]
+        assert run["start"] <= run["middle"] <= run["end"]
+        assert sparse.evaluate("p => explorer.plateaus.mesh(p)", run["middle"]) == run["betti"]
+    sparse.evaluate("explorer.step('most')")
+    sparse.page.focus("#slider")
+    for _ in runs:
+        sparse.page.keyboard.press("PageDown")
+        assert sparse.evaluate("explorer.state().mesh") is not None
+
+
+def test_numbers_of_the_filtration_are_called_so_once(sparse):
+    sparse.evaluate("explorer.setPlateau(explorer.plateaus.runs[0].start + 1)")
+    assert sparse.evaluate("explorer.state().mesh") is None
+    assert sparse.text("#betti").count("not predicted") == 1
+    for element in ("#betti", "#betti p"):
+        fits = "(e) => e.scrollWidth <= e.clientWidth"
+        assert sparse.page.locator(element).evaluate(fits)
+    spoken = sparse.page.get_attribute("#slider", "aria-valuetext")
+    assert "(of the filtration; mesh not predicted here)" in spoken
+    sparse.evaluate("explorer.step('chosen')")
+    assert "filtration;" not in sparse.text("#betti")
+    assert "filtration" not in sparse.page.get_attribute("#slider", "aria-valuetext")
+
+
+def test_the_ends_of_a_plateau_differ(opened):
+    for ends, shown in (
+        ([0.4375, 0.4375 + 2**-20], ["0.4375", "0.437501"]),
+        ([1 - 2**-20, 1], ["0.999999", "1"]),
+        ([0.25, 0.5], ["0.25", "0.5"]),
+        ([0, 2**-20], ["0", "9.54e-7"]),
+    ):
+        assert opened.evaluate("([low, high]) => showApart(low, high)", ends) == shown

@@ -12,8 +12,15 @@ from scipy import ndimage
 
 from tusqh.antialias.pinches import find_pinches
 from tusqh.figures import style
-from tusqh.grid import FloatArray, IntArray
-from tusqh.meshes.volume_mesh import BRIDGE, CONNECTING, SEPARATING, VolumeMesh
+from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.meshes.volume_mesh import (
+    BRIDGE,
+    CONNECTING,
+    GRID_CELL,
+    INNER_CELL,
+    SEPARATING,
+    VolumeMesh,
+)
 from tusqh.sampling.fractions import VolumeFractions
 
 #: Side of the close-up, in cells.
@@ -43,7 +50,11 @@ def draw_antialias(
     colours[mesh.kind == SEPARATING] = style.SEPARATING
     colours[mesh.kind == CONNECTING] = style.CONNECTING
     colours[mesh.kind == BRIDGE] = style.BRIDGE
-    is_pinch = find_pinches(fractions.cells >= threshold)
+    # Not those of all cells above the threshold: components may be gone, and holes filled.
+    is_whole = (mesh.kind == GRID_CELL) | (mesh.kind == INNER_CELL)
+    kept = np.zeros(grid.shape, dtype=bool)
+    kept.flat[mesh.grid_cell[is_whole]] = True
+    is_pinch = find_pinches(kept)
     marked = is_pinch.copy()
     bridge_cells = np.unravel_index(mesh.grid_cell[mesh.kind == BRIDGE], grid.shape)
     marked[bridge_cells] = True
@@ -58,9 +69,9 @@ def draw_antialias(
         Rectangle(tuple(lower), *(upper - lower), fill=False, edgecolor="black", linewidth=1.0)
     )
     style.frame(row[0], np.divide(grid.origin, scale), np.divide(grid.upper, scale), unit)
-    row[0].set_title(f"{mesh.name}: the mesh; dots: pinches before anti-aliasing ({len(pinches)})")
+    row[0].set_title(f"{mesh.name}: the mesh; dots: pinches of its cells ({len(pinches)})")
 
-    _draw_sub_cells(row[1], fractions, mesh, threshold, scale)
+    _draw_sub_cells(row[1], fractions, kept, threshold, scale)
     style.frame(row[1], lower, upper, unit)
     row[1].set_title(f"interior sub-cells at threshold {threshold:.4g}")
     style.draw_polygons(row[2], points, mesh.cells, colour=colours, line_width=0.4)
@@ -95,17 +106,16 @@ def _busiest(
 
 
 def _draw_sub_cells(
-    axes: Axes, fractions: VolumeFractions, mesh: VolumeMesh, threshold: float, scale: float
+    axes: Axes, fractions: VolumeFractions, kept: BoolArray, threshold: float, scale: float
 ) -> None:
     """Draw kept and removed cells with their interior edges and vertices."""
     grid = fractions.grid
-    kept = np.argwhere(fractions.cells >= threshold)
-    corners = kept[:, None] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
-    points = grid.to_points(corners.reshape(-1, 2)) / scale
-    is_left = np.isin(np.ravel_multi_index(tuple(kept.T), grid.shape), mesh.grid_cell)
-    quads = np.arange(len(points)).reshape(-1, 4)
-    for mask, colour in ((is_left, style.MATERIAL), (~is_left, style.REMOVED)):
-        style.draw_polygons(axes, points, quads[mask], colour=colour, line_width=0.3)
+    removed = (fractions.cells >= threshold) & ~kept
+    for mask, colour in ((kept, style.MATERIAL), (removed, style.REMOVED)):
+        corners = np.argwhere(mask)[:, None] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+        points = grid.to_points(corners.reshape(-1, 2)) / scale
+        quads = np.arange(len(points)).reshape(-1, 4)
+        style.draw_polygons(axes, points, quads, colour=colour, line_width=0.3)
     interior = fractions.values >= threshold
     for axis in range(2):
         middle = np.argwhere(interior)

@@ -48,7 +48,10 @@ def draw_contaminant(
     lower, upper, points = lower / scale, upper / scale, points / scale
     triangles = np.concatenate([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
     ratio = (upper[1] - lower[1]) / (upper[0] - lower[0])
-    figure, axes = style.new_figure(2, 3, width=10.5, height=2 * (2.45 * ratio + 0.5))
+    if style.is_wide(lower, upper):
+        figure, axes = style.new_figure(3, 2, width=10.5, height=3 * (3.9 * ratio + 0.8) + 0.3)
+    else:
+        figure, axes = style.new_figure(2, 3, width=10.5, height=2 * (2.45 * ratio + 0.5))
     largest = max(float(field.max()) for field in fields)
     smallest = largest * 10.0**-_DECADES
     norm = LogNorm(smallest, largest)

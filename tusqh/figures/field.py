@@ -30,7 +30,15 @@ def draw_field(fractions: VolumeFractions, outline: Outline, *, name: str, unit:
     scale, unit = style.length_scale(max(grid.shape) * grid.cell_size, unit)
     lower, upper = np.divide(grid.origin, scale), np.divide(grid.upper, scale)
     ratio = (upper[1] - lower[1]) / (upper[0] - lower[0])
-    figure, axes = style.new_figure(1, 2, width=9.5, height=3.4 * ratio + 0.7)
+    reach = np.full(2, 6 * grid.cell_size / scale)
+    if style.is_wide(lower, upper):
+        # The label of the colour bar needs the least height.
+        height = max(2 * (7.6 * ratio + 0.8), 3.6)
+        figure, axes = style.new_figure(2, 1, width=9.5, height=height)
+        reach *= ratio**-0.5, ratio**0.5
+    else:
+        figure, axes = style.new_figure(1, 2, width=9.5, height=3.4 * ratio + 0.7)
+    whole, close_up = axes.ravel()
     # A node of the doubled grid stands for the half cell around it.
     half = grid.cell_size / scale / 4
     extent = (lower[0] - half, upper[0] + half, lower[1] - half, upper[1] + half)
@@ -40,11 +48,10 @@ def draw_field(fractions: VolumeFractions, outline: Outline, *, name: str, unit:
     worst = off if off.any() else np.where(is_clean, 0.0, 0.5 - np.abs(cells - 0.5))
     i, j = np.unravel_index(int(worst.argmax()), worst.shape)
     middle = grid.to_points(np.array([[i + 0.5, j + 0.5]]))[0] / scale
-    reach = 6 * grid.cell_size / scale
     image: Any = None
     for panel, low, high in (
-        (axes[0, 0], lower, upper),
-        (axes[0, 1], middle - reach, middle + reach),
+        (whole, lower, upper),
+        (close_up, middle - reach, middle + reach),
     ):
         image = panel.imshow(
             fractions.values.T,
@@ -57,8 +64,8 @@ def draw_field(fractions: VolumeFractions, outline: Outline, *, name: str, unit:
         )
         style.draw_outline(panel, outline, scale)
         style.frame(panel, low, high, unit)
-    axes[0, 0].set_title(f"{name}: {grid.label} cells")
-    axes[0, 1].set_title(
+    whole.set_title(f"{name}: {grid.label} cells")
+    close_up.set_title(
         "the cell whose fraction is farthest outside [0, 1]" if off.any() else "a close-up"
     )
     bar = figure.colorbar(image, ax=axes, shrink=0.8)

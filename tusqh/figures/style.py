@@ -10,6 +10,7 @@ import matplotlib as mpl
 mpl.use("Agg")
 
 import matplotlib.pyplot as plt
+import numpy as np
 import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
@@ -36,6 +37,8 @@ DIMENSION_COLOURS = (_PALETTE[0], _PALETTE[1], _PALETTE[2])
 DIMENSION_NAMES = ("components", "holes", "voids")
 
 _DPI = 150
+#: Ratio of width to height above which a box counts as wide.
+_WIDE = 3
 _WITHOUT_TIME_AND_VERSION: dict[str, dict[str, Any]] = {
     ".png": {"Software": None},
     ".svg": {"Date": None, "Creator": None},
@@ -65,6 +68,16 @@ def length_scale(extent: float, unit: str) -> tuple[float, str]:
     (1000.0, 'km')
     """
     return (1000.0, "km") if unit == "m" and extent >= 10_000 else (1.0, unit)
+
+
+def is_wide(lower: Any, upper: Any) -> bool:
+    """Return whether a box is so wide and flat that its panels belong below one another.
+
+    >>> is_wide((0, 0), (80, 22)), is_wide((0, 0), (80, 80))
+    (True, False)
+    """
+    width, height = np.subtract(upper, lower)
+    return bool(width > _WIDE * height)
 
 
 def draw_polygons(

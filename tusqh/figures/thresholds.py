@@ -36,10 +36,13 @@ def draw_thresholds(
     scale, unit = style.length_scale(max(grid.shape) * grid.cell_size, unit)
     lower, upper = np.divide(grid.origin, scale), np.divide(grid.upper, scale)
     ratio = (upper[1] - lower[1]) / (upper[0] - lower[0])
-    figure, axes = style.new_figure(
-        1, len(thresholds), width=3.6 * len(thresholds), height=3.3 * ratio + 0.9
-    )
-    for panel, threshold in zip(axes[0], thresholds, strict=True):
+    n_panels = len(thresholds)
+    if style.is_wide(lower, upper):
+        height = n_panels * (6.5 * ratio + 1.0) + 0.6
+        figure, axes = style.new_figure(n_panels, 1, width=7.2, height=height)
+    else:
+        figure, axes = style.new_figure(1, n_panels, width=3.6 * n_panels, height=3.3 * ratio + 0.9)
+    for panel, threshold in zip(axes.ravel(), thresholds, strict=True):
         cells = cell_sets.at(threshold)
         is_kept_by_fraction = fractions.cells >= threshold
         for mask, colour in (

@@ -37,6 +37,13 @@ function show(value, digits = 6) {
   return Math.abs(rounded) < 1000 ? String(rounded) : rounded.toLocaleString('en-US');
 }
 
+/** Return two different numbers for people, with the digits that it takes to tell them apart. */
+function showApart(low, high) {
+  let digits = 5;
+  while (digits < 15 && show(low, digits) === show(high, digits)) digits += 1;
+  return [show(low, digits), show(high, digits)];
+}
+
 /** Return an element with a class and text. */
 function element(tag, className = '', text = '') {
   const made = document.createElement(tag);

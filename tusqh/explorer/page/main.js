@@ -302,7 +302,8 @@ class Explorer {
     const now = this.state();
     const { grid, chosen } = this.facts;
     byId('threshold').textContent = show(now.threshold, 8);
-    byId('interval').textContent = `plateau ${show(now.lower, 5)} < t \u2264 ${show(now.upper, 5)}`;
+    const [lower, upper] = showApart(now.lower, now.upper);
+    byId('interval').textContent = `plateau ${lower} < t \u2264 ${upper}`;
     const betti = now.mesh || now.raw;
     byId('betti').replaceChildren(...this.dimensions.map((k) => {
       const row = element('div');
@@ -310,9 +311,10 @@ class Explorer {
       swatch.style.background = DIMENSION_COLOURS[k];
       row.append(swatch, element('b', '', show(betti[k])), DIMENSION_NAMES[k][betti[k] === 1 ? 0 : 1]);
       if (now.mesh && now.raw[k] !== now.mesh[k]) row.append(element('small', '', `(filtration: ${show(now.raw[k])})`));
-      if (!now.mesh) row.append(element('small', '', '(filtration; mesh not predicted here)'));
       return row;
     }));
+    const whose = now.mesh ? '' : 'of the filtration; mesh not predicted here';
+    if (whose) byId('betti').append(element('p', '', whose));
     const { scale, unit } = lengthScale(this.facts);
     const volume = now.cells * (grid.cell_size / scale) ** grid.shape.length;
     const dropped = [now.removed && `${show(now.removed)} removed`, now.filled && `${show(now.filled)} filled`].filter(Boolean);
@@ -320,7 +322,7 @@ class Explorer {
     byId('volume').textContent = `${this.isFlat ? 'area' : 'volume'} ${show(volume, 4)} ${unit}${this.isFlat ? '\u00b2' : '\u00b3'}`;
     const slider = byId('slider');
     const words = this.dimensions.map((k) => `${betti[k]} ${DIMENSION_NAMES[k][betti[k] === 1 ? 0 : 1]}`);
-    slider.setAttribute('aria-valuetext', `${show(now.threshold, 8)}: ${words.join(', ')}, ${now.cells} cells kept`);
+    slider.setAttribute('aria-valuetext', `${show(now.threshold, 8)}: ${words.join(', ')}${whose && ` (${whose})`}, ${now.cells} cells kept`);
     const { command } = this.facts;
     const line = `${command.before} --threshold ${now.threshold} ${command.after}`;
     const parts = line.split(' ').flatMap((word) => [element('span', '', word), ' ']);

@@ -67,17 +67,24 @@ class Plateaus {
       const betti = this.mesh(p);
       if (!betti || !this.byFraction[p]) continue;
       const last = runs[runs.length - 1];
-      if (last && String(last.betti) === String(betti)) last.end = p;
-      else runs.push({ start: p, end: p, betti });
+      if (last && String(last.betti) === String(betti)) {
+        last.end = p;
+        last.examined.push(p);
+      } else runs.push({ start: p, end: p, betti, examined: [p] });
     }
     for (const run of runs) {
       run.upper = this.upper(run.start);
       run.lower = this.lower(run.end);
-      const middle = this.find((run.upper + run.lower) / 2);
       const isChosen = run.start <= this.chosen && this.chosen <= run.end;
-      run.middle = isChosen ? this.chosen : Math.min(Math.max(middle, run.start), run.end);
+      run.middle = isChosen ? this.chosen : this.nearest(run.examined, (run.upper + run.lower) / 2);
     }
     return runs;
+  }
+
+  /** Return the plateau, of some, that holds a threshold or comes nearest to it. */
+  nearest(some, threshold) {
+    const away = (p) => Math.max(this.lower(p) - threshold, threshold - this.upper(p), 0);
+    return some.reduce((best, p) => (away(p) < away(best) ? p : best));
   }
 
   /** Return the middle of the nearest run above (direction 1) or below (-1) a plateau. */

@@ -55,7 +55,7 @@ class TopologyTable {
     const table = makeTable({
       columns: ['below or at', 'above', ...names, 'width', 'mark'],
       rows: plateaus.runs.map((run) => [
-        show(run.upper, 5), show(run.lower, 5), ...dimensions.map((k) => run.betti[k]),
+        ...showApart(run.lower, run.upper).reverse(), ...dimensions.map((k) => run.betti[k]),
         Number((run.upper - run.lower).toPrecision(3)),
         run.start <= plateaus.chosen && plateaus.chosen <= run.end ? 'chosen' : '',
       ]),
