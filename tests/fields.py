@@ -2,7 +2,11 @@
 
 import numpy as np
 
+from tusqh.antialias.clusters import decide_by_vote
+from tusqh.antialias.pinches import find_pinches
+from tusqh.antialias.resolve import resolve
 from tusqh.grid import BackgroundGrid
+from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.sampling.fractions import VolumeFractions, round_fractions
 
 
@@ -22,3 +26,13 @@ def random_fractions(rng: np.random.Generator, shape, n_levels: int = 5) -> Volu
     cells = rng.integers(0, n_levels, shape) / (n_levels - 1)
     vertices = rng.integers(0, n_levels, np.add(shape, 1)) / (n_levels - 1)
     return make_fractions(cells, vertices)
+
+
+def noise_mesh(shape) -> VolumeMesh:
+    """The mesh of kept cells at random, with pinches of every kind, far from the origin."""
+    rng = np.random.default_rng(1)
+    kept = rng.random(shape) < 0.6
+    pinches = find_pinches(kept)
+    decisions = decide_by_vote(pinches, rng.random(pinches.shape) < 0.5)
+    grid = BackgroundGrid(shape=shape, cell_size=0.1, origin=(1e3, -2.0, 7.0)[: len(shape)])
+    return resolve(kept, decisions, grid, name="noise")[0]

@@ -506,9 +506,10 @@ def test_the_middle_of_a_run_is_a_plateau_that_was_examined(sparse):
         assert sparse.evaluate("p => explorer.plateaus.mesh(p)", run["middle"]) == run["betti"]
     sparse.evaluate("explorer.step('most')")
     sparse.page.focus("#slider")
-    for _ in runs:
+    for run in (*runs, runs[-1]):  # From above the first; there is none below the last.
         sparse.page.keyboard.press("PageDown")
-        assert sparse.evaluate("explorer.state().mesh") is not None
+        assert sparse.evaluate("explorer.plateau") == run["middle"]
+        assert sparse.evaluate("explorer.state().mesh") == run["betti"]
 
 
 def test_numbers_of_the_filtration_are_called_so_once(sparse):

@@ -5,12 +5,9 @@ import mfem.ser as mfem
 import netCDF4
 import numpy as np
 import pytest
+from fields import noise_mesh
 
-from tusqh.antialias.clusters import decide_by_vote
-from tusqh.antialias.pinches import find_pinches
-from tusqh.antialias.resolve import resolve
 from tusqh.errors import MeshError
-from tusqh.grid import BackgroundGrid
 from tusqh.meshes.boundary import SIDES, find_boundary
 from tusqh.meshes.facets import HEX_FACETS
 from tusqh.meshes.formats import write_mesh
@@ -19,13 +16,7 @@ from tusqh.meshes.volume_mesh import VolumeMesh
 
 @pytest.fixture(params=[2, 3], ids=["quads", "hexes"])
 def mesh(request):
-    rng = np.random.default_rng(1)
-    shape = (5, 4, 3)[: request.param]
-    kept = rng.random(shape) < 0.6
-    pinches = find_pinches(kept)
-    decisions = decide_by_vote(pinches, rng.random(pinches.shape) < 0.5)
-    grid = BackgroundGrid(shape=shape, cell_size=0.1, origin=(1e3, -2.0, 7.0)[: request.param])
-    return resolve(kept, decisions, grid, name="noise")[0]
+    return noise_mesh((5, 4, 3)[: request.param])
 
 
 def padded(points):

@@ -2,14 +2,11 @@
 
 import numpy as np
 import pytest
+from fields import noise_mesh
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from tusqh.antialias.clusters import decide_by_vote
-from tusqh.antialias.pinches import find_pinches
-from tusqh.antialias.resolve import resolve
-from tusqh.grid import BackgroundGrid
 from tusqh.meshes.export import write_vtu
 from tusqh.meshes.formats import write_mesh
 from tusqh.meshes.volume_mesh import VolumeMesh
@@ -60,13 +57,7 @@ def test_rounding_errors_in_columns_of_errors_are_no_difference(tmp_path):
 
 @pytest.fixture(params=[2, 3], ids=["quads", "hexes"])
 def mesh(request):
-    rng = np.random.default_rng(1)
-    shape = (6, 5, 4)[: request.param]
-    kept = rng.random(shape) < 0.6
-    pinches = find_pinches(kept)
-    decisions = decide_by_vote(pinches, rng.random(pinches.shape) < 0.5)
-    grid = BackgroundGrid(shape=shape, cell_size=0.1, origin=(1e3, -2.0, 7.0)[: request.param])
-    return resolve(kept, decisions, grid, name="noise")[0]
+    return noise_mesh((6, 5, 4)[: request.param])
 
 
 def renumbered(mesh, rng, noise=0.0):
