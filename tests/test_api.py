@@ -12,10 +12,10 @@ import trimesh
 
 import tusqh
 from tusqh.errors import ConfigError, GeometryError, SamplingError, TopologyError
+from tusqh.hashing import hash_file
 from tusqh.meshes.betti import betti_by_boundary
 from tusqh.meshes.export import read_vtu
 from tusqh.pipeline.ingest import ingest
-from tusqh.provenance.hashing import hash_file
 
 FRAME = (
     [[0, 0], [3, 0], [3, 3], [0, 3], [1, 1], [1, 2], [2, 2], [2, 1]],

@@ -14,9 +14,9 @@ from tusqh.antialias.resolve import build_mesh
 from tusqh.certificate import FILE_NAME, check_certificate, make_certificate, schema
 from tusqh.cli.app import app
 from tusqh.errors import MeshError
+from tusqh.hashing import canonical_json
 from tusqh.meshes.export import read_vtu, write_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
-from tusqh.provenance.hashing import canonical_json
 from tusqh.sampling.io import save_fractions
 from tusqh.threshold.plateaus import predict_plateaus
 from tusqh.threshold.select import choose_threshold

@@ -15,8 +15,8 @@ from tusqh.atomic import replacing
 from tusqh.config import load_config, read_yaml
 from tusqh.errors import ConfigError
 from tusqh.geometry.files import PACKAGE, locate
+from tusqh.hashing import hash_file
 from tusqh.pipeline.ingest import describe, ingest
-from tusqh.provenance.hashing import hash_file
 
 REGISTER = Path("data_sources/register.csv")
 SCHEMA = Path("workflow/schemas/config.schema.yaml")

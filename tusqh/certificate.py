@@ -14,11 +14,11 @@ from tusqh import __version__
 from tusqh.antialias.cells import CellSet, CellSets
 from tusqh.antialias.policy import Policy
 from tusqh.errors import MeshError
+from tusqh.hashing import hash_file
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.meshes.checks import Check, check_mesh
 from tusqh.meshes.export import read_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
-from tusqh.provenance.hashing import hash_file
 from tusqh.sampling.io import load_fractions
 from tusqh.threshold.select import Selection
 from tusqh.topology.betti_numbers import BettiNumbers

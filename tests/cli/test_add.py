@@ -8,7 +8,7 @@ import trimesh
 import yaml
 
 from tusqh.cli.app import main
-from tusqh.provenance.hashing import hash_file
+from tusqh.hashing import hash_file
 
 CONFIG = """# Models of the team.
 models:

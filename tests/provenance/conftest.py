@@ -6,10 +6,10 @@ from pathlib import Path
 import pytest
 from small_project import Project, add_models, copy_checkout, snakemake
 
-from tusqh.provenance import code
-from tusqh.provenance.lock import LOCK, make_lock, write_lock
-from tusqh.provenance.plan import make_plan
-from tusqh.provenance.stored import read_records
+from provenance import code
+from provenance.lock import LOCK, make_lock, write_lock
+from provenance.plan import make_plan
+from provenance.stored import read_records
 
 
 @pytest.fixture(scope="session")

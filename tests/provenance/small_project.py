@@ -9,11 +9,11 @@ import sys
 
 import trimesh
 
-from tusqh.provenance.hashing import canonical_json
-from tusqh.provenance.lock import LOCK, read_lock
-from tusqh.provenance.plan import make_plan
-from tusqh.provenance.stored import read_records
-from tusqh.provenance.verify import verify
+from provenance.lock import LOCK, read_lock
+from provenance.plan import make_plan
+from provenance.stored import read_records
+from provenance.verify import verify
+from tusqh.hashing import canonical_json
 
 CONFIG = """models:
   gap:

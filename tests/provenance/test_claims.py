@@ -9,8 +9,8 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from provenance.claims import COLUMNS, evaluate_claims, load_claims
 from tusqh.errors import ConfigError
-from tusqh.provenance.claims import COLUMNS, evaluate_claims, load_claims
 
 TABLE = pd.DataFrame(
     {"scheme": ["a", "a", "b"], "value": [1.0, 3.0, 9.0], "holds": [True, True, False]}

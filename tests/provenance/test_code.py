@@ -6,8 +6,8 @@ import sys
 
 import pytest
 
-from tusqh.provenance import code
-from tusqh.provenance.code import code_files, code_fingerprint
+from provenance import code
+from provenance.code import code_files, code_fingerprint
 
 SCRIPT = "scripts/step.py"
 FILES = {

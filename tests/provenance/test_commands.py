@@ -9,9 +9,9 @@ import sys
 import pytest
 from typer.testing import CliRunner
 
+from provenance import rebuild
 from tusqh.cli.app import app
 from tusqh.errors import ConfigError, ProvenanceError, TusqhError
-from tusqh.provenance import rebuild
 
 FIGURE = "results/gap/figures/diagram.png"
 

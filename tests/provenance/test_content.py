@@ -7,11 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
+from provenance.content import Content, Numbers, read_content, sketch
+from provenance.equality import Equality, class_of, reached
 from tusqh.meshes.export import write_vtu
 from tusqh.meshes.formats import write_mesh
 from tusqh.meshes.volume_mesh import VolumeMesh
-from tusqh.provenance.content import Content, Numbers, read_content, sketch
-from tusqh.provenance.equality import Equality, class_of, reached
 
 
 def compare(one, other, required=Equality.NUMERIC):

@@ -8,7 +8,7 @@ import pytest
 from ro_crates import find_issues
 from runcrate.report import dump_crate_actions
 
-from tusqh.provenance.stored import read_records
+from provenance.stored import read_records
 
 PROFILE = "provenance-run-crate"
 

@@ -7,8 +7,8 @@ import psutil
 import pytest
 from small_project import Project, add_models, copy_checkout, snakemake, start
 
-from tusqh.provenance import code
-from tusqh.provenance.findings import Outcome, merge
+from provenance import code
+from provenance.findings import Outcome, merge
 
 #: Nothing of this may leave a trace in the results.
 SURROUNDINGS = {

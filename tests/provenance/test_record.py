@@ -7,12 +7,12 @@ from types import SimpleNamespace
 import PIL.Image
 import pytest
 
+from provenance.environment import environment_fingerprint, installed_versions
+from provenance.record import recorded
+from provenance.stamp import read_mark, stamp
 from tusqh.atomic import replacing
 from tusqh.errors import MeshError
-from tusqh.provenance.environment import environment_fingerprint, installed_versions
-from tusqh.provenance.hashing import hash_file
-from tusqh.provenance.record import recorded
-from tusqh.provenance.stamp import read_mark, stamp
+from tusqh.hashing import hash_file
 
 
 class Files(list):

@@ -6,11 +6,11 @@ import shutil
 
 import pytest
 
+from provenance import check, compare
+from provenance.environment import installed_versions
+from provenance.findings import Outcome, merge
+from provenance.register import read_register
 from tusqh.errors import ConfigError, ProvenanceError
-from tusqh.provenance import check, compare
-from tusqh.provenance.environment import installed_versions
-from tusqh.provenance.findings import Outcome, merge
-from tusqh.provenance.register import read_register
 
 DIFFERENT, CANNOT_TELL, SAME = Outcome.DIFFERENT, Outcome.CANNOT_TELL, Outcome.SAME
 RECORDS = "results/provenance"

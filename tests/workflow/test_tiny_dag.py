@@ -8,9 +8,9 @@ import sys
 import pandas as pd
 import pytest
 
+from tusqh.hashing import hash_file
 from tusqh.meshes.betti import betti_by_boundary
 from tusqh.meshes.export import read_vtu
-from tusqh.provenance.hashing import hash_file
 
 # A plate with a round and a square hole; the path of the square is left open on purpose.
 PLATE = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 80 40">

@@ -10,7 +10,7 @@ import pytest
 import tifffile
 
 import tusqh
-from tusqh.provenance.hashing import hash_file
+from tusqh.hashing import hash_file
 
 CONFIG = """models:
   foam:

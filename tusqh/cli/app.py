@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import warnings
+from importlib import import_module
+from importlib.util import find_spec
 
 import typer
 
@@ -10,11 +12,8 @@ from tusqh.cli.add import add
 from tusqh.cli.check import check
 from tusqh.cli.inspect import inspect
 from tusqh.cli.interruption import catch_signals, to_exit_code
-from tusqh.cli.lock import lock
 from tusqh.cli.mesh import mesh
 from tusqh.cli.show import report_error
-from tusqh.cli.trace import trace
-from tusqh.cli.verify import verify
 from tusqh.cli.view import view
 from tusqh.errors import TusqhError
 
@@ -25,8 +24,20 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (mesh, inspect, view, check, verify, trace, lock, add):
+for command in (mesh, inspect, view, check, add):
     app.command()(command)
+
+
+def _add_workflow_commands() -> None:
+    """Add `verify`, `trace` and `lock`, which only a checkout of the project has."""
+    if find_spec("provenance") is None:
+        return
+    for name in ("verify", "trace", "lock"):
+        module = import_module(f"provenance.commands.{name}")
+        app.command()(getattr(module, name))
+
+
+_add_workflow_commands()
 
 
 def main() -> None:

@@ -11,8 +11,8 @@ from typing import Any
 import pandas as pd
 
 from tusqh.geometry.files import locate
+from tusqh.hashing import hash_file
 from tusqh.pipeline.result import count_pinches
-from tusqh.provenance.hashing import hash_file
 from tusqh.quality.verdict import overall
 
 #: Columns of the register that say where a geometry comes from.

@@ -11,9 +11,9 @@ from tusqh.antialias.policy import Policy
 from tusqh.antialias.resolve import Resolved, build_mesh, describe_mesh
 from tusqh.atomic import write_text
 from tusqh.certificate import make_certificate
+from tusqh.hashing import canonical_json
 from tusqh.meshes.export import write_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
-from tusqh.provenance.hashing import canonical_json
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.tables import write_csv
 from tusqh.threshold.select import Selection

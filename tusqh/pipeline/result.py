@@ -10,13 +10,13 @@ import pandas as pd
 
 from tusqh.atomic import write_text
 from tusqh.geometry.files import Geometry, write_geometry
+from tusqh.hashing import canonical_json
 from tusqh.meshes.formats import write_mesh
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.build import Built
 from tusqh.pipeline.judge import Judgement
 from tusqh.pipeline.persistence import Persistence
 from tusqh.pipeline.select import Choice
-from tusqh.provenance.hashing import canonical_json
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.io import save_fractions
 from tusqh.tables import write_csv

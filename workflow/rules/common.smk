@@ -7,10 +7,10 @@ from snakemake.exceptions import WorkflowError
 from tusqh.config import load_config
 from tusqh.errors import TusqhError
 from tusqh.geometry.files import PACKAGE, dimension_of
-from tusqh.provenance.claims import load_claims
-from tusqh.provenance.code import code_fingerprint, list_code
+from provenance.claims import load_claims
+from provenance.code import code_fingerprint, list_code
 from tusqh.quality.system_libraries import describe_missing
-from tusqh.report import picture_name
+from studies.results_page import picture_name
 
 BASE = Path(workflow.basedir)
 SCRIPTS = set()

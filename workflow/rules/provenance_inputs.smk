@@ -1,9 +1,9 @@
 # What the rules of claims and of the crate read, as far as functions say so.
 import yaml
 
-from tusqh.provenance.content import read_content
-from tusqh.provenance.hashing import hash_value
-from tusqh.provenance.register import read_register
+from provenance.content import read_content
+from tusqh.hashing import hash_value
+from provenance.register import read_register
 
 CITATION = yaml.safe_load((BASE / "CITATION.cff").read_text("utf-8"))
 ABOUT = {key: CITATION[key] for key in ("title", "version", "license", "date-released")}

@@ -1,7 +1,7 @@
 from pathlib import Path
 
-from tusqh.experiments.aliasing import compare_examples, draw_axis_gaps, sweep_axis_gap
-from tusqh.provenance.record import recorded
+from provenance.record import recorded
+from studies.aliasing import compare_examples, draw_axis_gaps, sweep_axis_gap
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:

@@ -1,7 +1,7 @@
 from pathlib import Path
 
-from tusqh.provenance.claims import evaluate_claims
-from tusqh.provenance.record import recorded
+from provenance.claims import evaluate_claims
+from provenance.record import recorded
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:

@@ -1,12 +1,12 @@
 import shutil
 from pathlib import Path
 
+from provenance.crate import ROOT, make_crate, select_records
+from provenance.environment import installed_versions
+from provenance.record import recorded
+from provenance.stored import read_records
 from tusqh.atomic import replacing, write_text
-from tusqh.provenance.crate import ROOT, make_crate, select_records
-from tusqh.provenance.environment import installed_versions
-from tusqh.provenance.hashing import canonical_json
-from tusqh.provenance.record import recorded
-from tusqh.provenance.stored import read_records
+from tusqh.hashing import canonical_json
 
 with recorded(snakemake) as log:
     copies = [Path(path) for path in snakemake.output.workflow]

@@ -1,8 +1,8 @@
 import shutil
 from pathlib import Path
 
+from provenance.record import recorded
 from tusqh.atomic import replacing
-from tusqh.provenance.record import recorded
 
 with recorded(snakemake) as log:
     sources = [snakemake.input.page, *snakemake.input.pictures]

@@ -1,9 +1,9 @@
 from pathlib import Path
 
+from provenance.record import recorded
 from tusqh.atomic import write_text
 from tusqh.explorer.page import make_page
 from tusqh.explorer.subject import read_subject
-from tusqh.provenance.record import recorded
 
 with recorded(snakemake) as log:
     page = Path(snakemake.output.page)

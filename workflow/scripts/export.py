@@ -1,8 +1,8 @@
 from pathlib import Path
 
+from provenance.record import recorded
 from tusqh.meshes.export import read_vtu
 from tusqh.meshes.formats import write_mesh
-from tusqh.provenance.record import recorded
 
 with recorded(snakemake) as log:
     mesh = read_vtu(Path(snakemake.input.mesh), name=snakemake.wildcards.model)

@@ -2,9 +2,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from provenance.record import recorded
+from studies.figures.aliasing import draw_axis_gap, draw_examples
 from tusqh.figures import style
-from tusqh.figures.aliasing import draw_axis_gap, draw_examples
-from tusqh.provenance.record import recorded
 
 with recorded(snakemake) as log:
     tables = {name: pd.read_csv(path) for name, path in snakemake.input.items()}

@@ -1,10 +1,10 @@
 import json
 from pathlib import Path
 
+from provenance.record import recorded
 from tusqh.figures import style
 from tusqh.figures.antialias import draw_antialias
 from tusqh.meshes.export import read_vtu
-from tusqh.provenance.record import recorded
 from tusqh.sampling.io import load_fractions
 
 with recorded(snakemake) as log:

@@ -2,9 +2,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from provenance.record import recorded
 from tusqh.figures import style
 from tusqh.figures.contaminant import draw_contaminant
-from tusqh.provenance.record import recorded
 from tusqh.simulate.snapshots import read_snapshot
 
 with recorded(snakemake) as log:

@@ -3,9 +3,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from provenance.record import recorded
 from tusqh.figures import style
 from tusqh.figures.diagram import draw_diagram
-from tusqh.provenance.record import recorded
 
 with recorded(snakemake) as log:
     figure = draw_diagram(

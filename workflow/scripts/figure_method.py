@@ -1,8 +1,8 @@
 from pathlib import Path
 
+from provenance.record import recorded
+from studies.figures.method import draw_method
 from tusqh.figures import style
-from tusqh.figures.method import draw_method
-from tusqh.provenance.record import recorded
 
 with recorded(snakemake) as log:
     style.save(draw_method(), Path(snakemake.output.figure))

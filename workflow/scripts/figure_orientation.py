@@ -2,9 +2,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from provenance.record import recorded
+from studies.figures.orientation import draw_orientation
 from tusqh.figures import style
-from tusqh.figures.orientation import draw_orientation
-from tusqh.provenance.record import recorded
 
 with recorded(snakemake) as log:
     figure = draw_orientation(

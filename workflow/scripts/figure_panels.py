@@ -2,11 +2,11 @@ from pathlib import Path
 
 import pandas as pd
 
+from provenance.record import recorded
 from tusqh.figures import style
 from tusqh.figures.panels import draw_panels
 from tusqh.geometry.files import load_geometry
 from tusqh.meshes.export import read_vtu
-from tusqh.provenance.record import recorded
 
 with recorded(snakemake) as log:
     rows = pd.read_csv(snakemake.input.rows)

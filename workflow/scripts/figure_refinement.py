@@ -2,10 +2,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from tusqh.experiments.wedge_islands import DEGREES
+from provenance.record import recorded
+from studies.figures.refinement import draw_two_triangles, draw_wedge_islands
+from studies.wedge_islands import DEGREES
 from tusqh.figures import style
-from tusqh.figures.refinement import draw_two_triangles, draw_wedge_islands
-from tusqh.provenance.record import recorded
 
 with recorded(snakemake) as log:
     tables = {name: pd.read_csv(path) for name, path in snakemake.input.items()}

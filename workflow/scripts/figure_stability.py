@@ -3,9 +3,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from provenance.record import recorded
+from studies.figures.stability import draw_stability
 from tusqh.figures import style
-from tusqh.figures.stability import draw_stability
-from tusqh.provenance.record import recorded
 
 with recorded(snakemake) as log:
     chosen = json.loads(Path(snakemake.input.threshold).read_text())

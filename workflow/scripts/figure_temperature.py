@@ -2,9 +2,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from provenance.record import recorded
 from tusqh.figures import style
 from tusqh.figures.temperature import draw_temperature
-from tusqh.provenance.record import recorded
 from tusqh.simulate.snapshots import read_snapshot
 
 with recorded(snakemake) as log:

@@ -2,9 +2,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from provenance.record import recorded
+from studies.figures.theorem import draw_map, draw_plane_gap, draw_windows
 from tusqh.figures import style
-from tusqh.figures.theorem import draw_map, draw_plane_gap, draw_windows
-from tusqh.provenance.record import recorded
 
 with recorded(snakemake) as log:
     tables = {name: pd.read_csv(path) for name, path in snakemake.input.items()}

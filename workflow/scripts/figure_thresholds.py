@@ -1,11 +1,11 @@
 from pathlib import Path
 
+from provenance.record import recorded
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.policy import Policy
 from tusqh.figures import style
 from tusqh.figures.thresholds import draw_thresholds
 from tusqh.geometry.files import load_geometry
-from tusqh.provenance.record import recorded
 from tusqh.sampling.io import load_fractions
 
 with recorded(snakemake) as log:

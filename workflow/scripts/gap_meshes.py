@@ -3,8 +3,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tusqh.experiments.gap_meshes import compare_with_meshes
-from tusqh.provenance.record import recorded
+from provenance.record import recorded
+from studies.gap_meshes import compare_with_meshes
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:

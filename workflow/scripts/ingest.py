@@ -1,8 +1,8 @@
 from pathlib import Path
 
+from provenance.record import recorded
 from tusqh.geometry.files import write_geometry
 from tusqh.pipeline.ingest import describe, ingest
-from tusqh.provenance.record import recorded
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:

@@ -1,8 +1,8 @@
 import json
 from pathlib import Path
 
+from provenance.record import recorded
 from tusqh.pipeline.build import build
-from tusqh.provenance.record import recorded
 from tusqh.sampling.io import load_fractions
 from tusqh.threshold.select import Selection
 

@@ -2,10 +2,10 @@ from pathlib import Path
 
 import pandas as pd
 
+from provenance.record import recorded
 from tusqh.atomic import write_text
 from tusqh.overview.model import ModelFiles, read_model
 from tusqh.overview.page import render_overview
-from tusqh.provenance.record import recorded
 
 OF_MODEL = ("certificate", "facts", "defects", "candidates", "verdict", "verification")
 

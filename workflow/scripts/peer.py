@@ -3,10 +3,10 @@ from pathlib import Path
 
 import pandas as pd
 
+from provenance.record import recorded
+from studies.peers import run_peer
 from tusqh.antialias.policy import Policy
-from tusqh.experiments.peers import run_peer
 from tusqh.geometry.files import load_geometry
-from tusqh.provenance.record import recorded
 from tusqh.sampling.io import load_fractions
 from tusqh.tables import write_csv
 

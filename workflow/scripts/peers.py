@@ -2,8 +2,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from tusqh.experiments.peers import compare_with_peers
-from tusqh.provenance.record import recorded
+from provenance.record import recorded
+from studies.peers import compare_with_peers
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:

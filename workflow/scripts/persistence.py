@@ -1,7 +1,7 @@
 from pathlib import Path
 
+from provenance.record import recorded
 from tusqh.pipeline.persistence import find_persistence
-from tusqh.provenance.record import recorded
 from tusqh.sampling.io import load_fractions
 from tusqh.tables import write_csv
 

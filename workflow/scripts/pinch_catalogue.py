@@ -1,7 +1,7 @@
 from pathlib import Path
 
-from tusqh.experiments.pinch_catalogue import connect_edges, resolve_series, tabulate_catalogue
-from tusqh.provenance.record import recorded
+from provenance.record import recorded
+from studies.pinch_catalogue import connect_edges, resolve_series, tabulate_catalogue
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:

@@ -1,17 +1,17 @@
 import json
 from pathlib import Path
 
-from tusqh.antialias.policy import Policy
-from tusqh.experiments.orientation import (
+from provenance.record import recorded
+from studies.orientation import (
     THRESHOLDS,
     map_stability,
     measure_spread,
     recommend_grid,
     vary_placement,
 )
+from tusqh.antialias.policy import Policy
 from tusqh.geometry.files import load_geometry
 from tusqh.progress import log_progress
-from tusqh.provenance.record import recorded
 from tusqh.sampling.layout import to_window
 from tusqh.tables import write_csv
 

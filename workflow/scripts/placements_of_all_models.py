@@ -3,8 +3,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from tusqh.experiments.orientation import pool_spreads
-from tusqh.provenance.record import recorded
+from provenance.record import recorded
+from studies.orientation import pool_spreads
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:

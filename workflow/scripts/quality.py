@@ -1,9 +1,9 @@
 import json
 from pathlib import Path
 
+from provenance.record import recorded
 from tusqh.meshes.export import read_vtu
 from tusqh.pipeline.judge import judge
-from tusqh.provenance.record import recorded
 from tusqh.tables import write_csv
 from tusqh.topology.betti_numbers import BettiNumbers
 

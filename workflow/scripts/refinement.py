@@ -1,8 +1,8 @@
 from pathlib import Path
 
-from tusqh.experiments.two_triangles import draw_refinements, refine
-from tusqh.experiments.wedge_islands import follow_islands
-from tusqh.provenance.record import recorded
+from provenance.record import recorded
+from studies.two_triangles import draw_refinements, refine
+from studies.wedge_islands import follow_islands
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:

@@ -1,8 +1,8 @@
 from pathlib import Path
 
+from provenance.record import recorded
+from studies.results_page import copy_pictures, render_page
 from tusqh.atomic import write_text
-from tusqh.provenance.record import recorded
-from tusqh.report import copy_pictures, render_page
 
 with recorded(snakemake) as log:
     figures = list(snakemake.input.figures)

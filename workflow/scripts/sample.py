@@ -1,8 +1,8 @@
 from pathlib import Path
 
+from provenance.record import recorded
 from tusqh.geometry.files import load_geometry
 from tusqh.pipeline.sample import sample
-from tusqh.provenance.record import recorded
 from tusqh.sampling.io import save_fractions
 
 with recorded(snakemake) as log:

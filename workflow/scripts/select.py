@@ -3,10 +3,10 @@ from pathlib import Path
 
 import pandas as pd
 
+from provenance.record import recorded
 from tusqh.atomic import write_text
+from tusqh.hashing import canonical_json
 from tusqh.pipeline.select import select
-from tusqh.provenance.hashing import canonical_json
-from tusqh.provenance.record import recorded
 from tusqh.sampling.io import load_fractions
 from tusqh.tables import write_csv
 

@@ -1,8 +1,8 @@
 from pathlib import Path
 
+from provenance.record import recorded
 from tusqh.meshes.export import read_vtu
 from tusqh.progress import log_progress
-from tusqh.provenance.record import recorded
 from tusqh.simulate.diffusion import simulate_diffusion
 from tusqh.simulate.snapshots import write_snapshots
 from tusqh.tables import write_csv

@@ -1,10 +1,10 @@
 import json
 from pathlib import Path
 
+from provenance.record import recorded
+from studies.suitability import CHOSEN, compare_suitability
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.policy import Policy
-from tusqh.experiments.suitability import CHOSEN, compare_suitability
-from tusqh.provenance.record import recorded
 from tusqh.sampling.io import load_fractions
 from tusqh.tables import write_csv
 from tusqh.threshold.select import Selection

@@ -2,8 +2,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from tusqh.experiments.suitability import summarise_suitability
-from tusqh.provenance.record import recorded
+from provenance.record import recorded
+from studies.suitability import summarise_suitability
 from tusqh.tables import write_csv, write_markdown
 
 with recorded(snakemake) as log:

@@ -2,11 +2,11 @@ from pathlib import Path
 
 import pandas as pd
 
+from provenance.record import recorded
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.policy import Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.meshes.export import write_vtu
-from tusqh.provenance.record import recorded
 from tusqh.quality.rows import verification_row
 from tusqh.sampling.io import load_fractions
 from tusqh.tables import write_csv

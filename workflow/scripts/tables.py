@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from tusqh.provenance.record import recorded
+from provenance.record import recorded
 from tusqh.quality.rows import summary_row
 from tusqh.tables import write_csv, write_markdown
 

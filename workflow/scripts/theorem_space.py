@@ -2,8 +2,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tusqh.experiments.theorem import plane_normals, sweep_methods
-from tusqh.provenance.record import recorded
+from provenance.record import recorded
+from studies.theorem import plane_normals, sweep_methods
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:

@@ -1,0 +1,226 @@
+"""A fingerprint of the code behind a step: its script and all that it imports of this project.
+
+Snakemake does not see an edit inside an imported package.  The fingerprint is a parameter of every
+rule, so it does: a constant changed three imports deep reruns the steps that reach it, a comment,
+a docstring or a new layout reruns none.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+from tusqh.atomic import remove_leftovers, write_text
+from tusqh.hashing import canonical_json, hash_file, hash_value
+
+#: The folder that holds the packages of the project.
+PACKAGE_ROOT = Path(__file__).resolve().parents[1]
+#: The packages of the project.
+PACKAGES = ("tusqh", "studies", "provenance")
+
+#: Strings that may name a file or folder beside a module.
+_FILE_NAME = re.compile(r"\w[\w.-]*(/[\w.-]+)*")
+#: Syntax that means nothing at run time; `ctx` follows from the place.
+_IGNORED_FIELDS = {"ctx", "kind", "type_comment", "type_ignores"}
+
+
+def code_fingerprint(script: str, *, base: Path) -> dict[str, str]:
+    """Return a script, as a path in the checkout, and the SHA-256 of what `code_files` lists."""
+    return {"script": script, "sha256": hash_value(code_files(script, base=base))}
+
+
+def syntax_digest(source: bytes) -> str:
+    """Return a SHA-256 of Python code without comments, docstrings and layout."""
+    return _digest(ast.parse(source))
+
+
+def list_code(script: str, *, base: Path, folder: Path) -> None:
+    """Write down which files a fingerprint stands for, as ``<folder>/<fingerprint>.json``.
+
+    Jobs only know the fingerprint.  The workflow writes these lists when it starts, so that
+    `tusqh verify` can name the file that changed.
+    """
+    path = folder / f"{code_fingerprint(script, base=base)['sha256']}.json"
+    remove_leftovers(path)
+    if not path.exists():
+        write_text(path, canonical_json(code_files(script, base=base)))
+
+
+def code_files(script: str, *, base: Path) -> dict[str, str]:
+    """Return every file of this project that a script runs, with the digest of what it says.
+
+    Imports anywhere in a module count, in functions too, but of a package on the way to a module
+    only what its ``__init__`` does on import.  A string that names a file beside its module (a
+    schema, a template) is a dependency on that file.
+
+    Parameters
+    ----------
+    script
+        The script of a rule, as ``workflow/scripts/mesh.py``; modules beside it belong to the
+        project as well.
+    base
+        The checkout.
+
+    Returns
+    -------
+    dict
+        For ``tusqh/grid.py``, ``workflow/scripts/mesh.py``, ... a SHA-256: of the syntax tree
+        without docstrings and positions for Python, of the bytes for everything else.
+    """
+    base = base.resolve()
+    own = base / script
+    seen: set[tuple[Path, bool]] = set()
+    queue = [(own, True)]
+    while queue:
+        module = queue.pop()
+        if module not in seen and (module[0], True) not in seen:
+            seen.add(module)
+            queue += _read(*_version(module[0])).dependencies(own.parent, module[1])
+    return {
+        _label(path, base): _read(*_version(path)).digest for path in sorted({p for p, _ in seen})
+    }
+
+
+def _label(path: Path, base: Path) -> str:
+    is_ours = any(path.is_relative_to(PACKAGE_ROOT / name) for name in PACKAGES)
+    return path.relative_to(PACKAGE_ROOT if is_ours else base).as_posix()
+
+
+class _Source:
+    """One file of the project: its digest and what it depends on."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.tree = ast.parse(path.read_bytes()) if path.suffix == ".py" else None
+        self.digest = hash_file(path) if self.tree is None else _digest(self.tree)
+        self.known: dict[tuple[Path, bool], list[tuple[Path, bool]]] = {}
+
+    def dependencies(self, scripts: Path, whole: bool) -> list[tuple[Path, bool]]:
+        """Return files with whether all of their imports count, or only those made on import."""
+        if (scripts, whole) not in self.known:
+            self.known[scripts, whole] = self._find(scripts, whole)
+        return self.known[scripts, whole]
+
+    def _find(self, scripts: Path, whole: bool) -> list[tuple[Path, bool]]:
+        if self.tree is None:
+            return []
+        found: list[tuple[Path, bool]] = []
+        for node in _nodes(self.tree, into_functions=whole):
+            if isinstance(node, ast.Import):
+                for alias in node.names:
+                    found += _module(alias.name, scripts)
+            elif isinstance(node, ast.ImportFrom):
+                for alias in node.names:
+                    found += self._imported(node, alias.name, scripts)
+            elif whole and isinstance(node, ast.Constant) and isinstance(node.value, str):
+                found += self._named(node.value, scripts)
+        return found
+
+    def _imported(self, node: ast.ImportFrom, name: str, scripts: Path) -> list[tuple[Path, bool]]:
+        module = node.module or ""
+        if node.level:
+            folder = self.path.parents[node.level - 1].relative_to(PACKAGE_ROOT)
+            module = ".".join([*folder.parts, *filter(None, [module])])
+        if inner := _module(f"{module}.{name}", scripts):
+            return inner
+        found = _module(module, scripts)
+        if found and found[-1][0].name == "__init__.py":
+            path = found[-1][0]
+            is_lazy = name not in _read(*_version(path)).names_on_import()
+            found[-1] = (path, is_lazy)
+        return found
+
+    def _named(self, text: str, scripts: Path) -> list[tuple[Path, bool]]:
+        """Return what a string names: a module to import later, a file or a folder of files."""
+        if text.startswith(tuple(f"{name}." for name in PACKAGES)) and (
+            found := _module(text, scripts)
+        ):
+            return found
+        if len(text) > 100 or not _FILE_NAME.fullmatch(text):
+            return []
+        path = self.path.parent / text
+        if path.is_dir() and not (path / "__init__.py").exists() and path.name != "__pycache__":
+            return [(p, True) for p in sorted(path.rglob("*")) if p.is_file()]
+        return [(path, True)] if path.suffix != ".py" and path.is_file() else []
+
+    def names_on_import(self) -> set[str]:
+        """Return the names that exist once the module is imported, without its `__getattr__`."""
+        assert self.tree is not None
+        names: set[str] = set()
+        for node in _nodes(self.tree, into_functions=False):
+            if isinstance(node, ast.Name):
+                names.add(node.id)
+            elif isinstance(node, ast.FunctionDef | ast.ClassDef):
+                names.add(node.name)
+            elif isinstance(node, ast.Import | ast.ImportFrom):
+                names |= {alias.asname or alias.name for alias in node.names}
+        return names
+
+
+def _version(path: Path) -> tuple[Path, int, int]:
+    """Return a path with size and time of change, so that an edited file is read again."""
+    state = path.stat()
+    return path, state.st_size, state.st_mtime_ns
+
+
+@cache
+def _read(path: Path, size: int, modified: int) -> _Source:
+    return _Source(path)
+
+
+def _module(name: str, scripts: Path) -> list[tuple[Path, bool]]:
+    """Return the files that importing a module of the project runs, its own last."""
+    parts = name.split(".")
+    root = PACKAGE_ROOT if parts[0] in PACKAGES else scripts
+    *parents, own = [root.joinpath(*parts[:k]) for k in range(1, len(parts) + 1)]
+    for path in (own.with_name(own.name + ".py"), own / "__init__.py"):
+        if path.is_file():
+            above = [(parent / "__init__.py", False) for parent in parents]
+            return [*(p for p in above if p[0].is_file()), (path, True)]
+    return []
+
+
+def _nodes(tree: ast.AST, *, into_functions: bool) -> Iterator[ast.AST]:
+    """Walk a syntax tree without docstrings and what only type checkers read."""
+    for node in ast.iter_child_nodes(tree):
+        if _is_docstring(node):
+            continue
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            continue
+        yield node
+        if into_functions or not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            yield from _nodes(node, into_functions=into_functions)
+
+
+def _is_docstring(node: object) -> bool:
+    return (
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+    )
+
+
+def _digest(tree: ast.AST) -> str:
+    return hash_value(_said(tree))
+
+
+def _said(node: object) -> str:
+    """Return a syntax tree as text, the same for every version of Python.
+
+    `ast.dump` lists fields that are empty in one version and unknown in another.
+    """
+    if isinstance(node, ast.Constant):
+        return f"{type(node.value).__name__}:{node.value!r}"
+    if isinstance(node, ast.AST):
+        fields = [
+            f"{name}={_said(value)}"
+            for name, value in ast.iter_fields(node)
+            if name not in _IGNORED_FIELDS and value is not None and value != []
+        ]
+        return f"{type(node).__name__}({','.join(fields)})"
+    if isinstance(node, list):
+        return "[" + ",".join(_said(item) for item in node if not _is_docstring(item)) + "]"
+    return repr(node)

@@ -1,0 +1,1 @@
+"""The commands of `tusqh` that look at a whole workflow."""

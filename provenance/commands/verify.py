@@ -1,0 +1,108 @@
+"""`tusqh verify`: whether these results are the right ones."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from provenance.commands.options import ConfigFiles, LockFile, Snakefile
+
+if TYPE_CHECKING:
+    from provenance.verify import Report
+
+_COLOURS = {"same": "green", "different": "red", "cannot tell": "yellow"}
+
+
+def verify(
+    snakefile: Snakefile = Path("Snakefile"),
+    configfile: ConfigFiles = None,
+    lock: LockFile = Path("results/lock.json"),
+    rebuild: Annotated[
+        str | None,
+        typer.Option(metavar="MODEL", help="Also make a model anew elsewhere, and compare."),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
+) -> None:
+    """Check the results here: records, sources, code, parameters, lock and claims.
+
+    Exit code 0: the same; 1: different; 2: cannot tell, because something is missing.
+    Example: tusqh verify --rebuild chesapeake
+    """
+    from provenance.lock import LOCK, read_lock
+    from provenance.plan import make_plan
+    from provenance.rebuild import rebuild_model
+    from provenance.stored import read_records
+    from provenance.verify import verify as verify_results
+    from tusqh.errors import ConfigError
+
+    if lock != LOCK and not lock.is_file():
+        raise ConfigError(
+            "there is no such lock",
+            where=str(lock),
+            expected="a file that `tusqh lock` wrote",
+            remedy="check the path",
+        )
+    plan = make_plan(snakefile, configfile or [])
+    report = verify_results(plan, read_records(), read_lock(lock))
+    if rebuild:
+        report = report.extended(rebuild_model(rebuild, plan, read_records()))
+    if as_json:
+        typer.echo(json.dumps(report.to_dict(), indent=2))
+    else:
+        _show(report)
+    raise typer.Exit(int(report.verdict))
+
+
+def _show(report: Report) -> None:
+    """Print a table of steps, what was found, and the verdict."""
+    from provenance.findings import Outcome, merge
+
+    console = Console()
+    console.print(_table(report))
+    for finding in merge(report.findings):
+        if finding.outcome is Outcome.SAME:
+            continue
+        colour = _COLOURS[finding.outcome.text]
+        where = f" ({finding.step})" if finding.step else ""
+        console.print(
+            f"\n[{colour}]{finding.outcome.text}[/]: {escape(finding.file + where)}", soft_wrap=True
+        )
+        console.print(f"  found:    {finding.found}", markup=False, highlight=False, soft_wrap=True)
+        console.print(
+            f"  expected: {finding.expected}", markup=False, highlight=False, soft_wrap=True
+        )
+        console.print(
+            f"  remedy:   {finding.remedy}", markup=False, highlight=False, soft_wrap=True
+        )
+    remarks = [f for f in merge(report.findings) if f.outcome is Outcome.SAME]
+    for remark in remarks:
+        text = f"note: {remark.file}: {remark.found}; expected: {remark.expected}"
+        console.print(text, markup=False, highlight=False, soft_wrap=True)
+    colour = _COLOURS[report.verdict.text]
+    share = report.recording_share
+    cost = "" if share is None else f"; recording took {100 * share:.1f} % of the steps' time"
+    console.print(f"\n[bold {colour}]{report.verdict.text}[/]: {report.summary}{cost}")
+
+
+def _table(report: Report) -> Table:
+    """Return one row per step, for all models together where their outcome is the same."""
+    rows: dict[tuple[str, str, str], list[str]] = {}
+    for key, outcome in report.outcomes.items():
+        model, _, name = key.rpartition("/")
+        equality = str(report.classes.get(key) or "-")
+        rows.setdefault((name, outcome.text, equality), []).append(model)
+    table = Table(title="Steps", title_justify="left")
+    for column in ("step", "models", "outcome", "equality with the lock"):
+        table.add_column(column)
+    for (name, outcome_text, equality), models in rows.items():
+        named = [model for model in models if model]
+        shown = ", ".join(named) if len(named) <= 2 else f"{len(named)} models"
+        colour = _COLOURS[outcome_text]
+        table.add_row(name, escape(shown), f"[{colour}]{outcome_text}[/]", equality)
+    return table

@@ -1,0 +1,154 @@
+"""The paper's small examples in the plane, meshed with exact fractions, as tables to draw from.
+
+A table of shapes has one row per thing drawn, with the columns of `SHAPE_COLUMNS`: polygons have
+up to four corners, edges of the grid two, vertices one; corners that a shape lacks are empty.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from studies.polygon_areas import Polygon, exact_fractions
+from studies.raw_cells import closed_betti
+from tusqh.antialias.cells import CellSets
+from tusqh.antialias.clusters import CONNECT
+from tusqh.antialias.pinches import find_pinches
+from tusqh.antialias.policy import Policy
+from tusqh.antialias.resolve import build_mesh
+from tusqh.grid import QUAD_CORNERS, BackgroundGrid, BoolArray, FloatArray
+from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
+from tusqh.meshes.checks import check_mesh
+from tusqh.meshes.volume_mesh import KINDS, VolumeMesh
+from tusqh.sampling.fractions import VolumeFractions
+from tusqh.topology.betti_numbers import BettiNumbers
+
+SHAPE_COLUMNS = ["panel", "shape", *(f"{axis}{k}" for k in range(4) for axis in "xy")]
+
+#: Shapes other than elements, which are called by their kind.
+GEOMETRY = "geometry"
+KEPT = "kept cell"
+INTERIOR_EDGE = "interior edge"
+INTERIOR_VERTEX = "interior vertex"
+
+
+def shape_rows(panel: str, shape: str, corners: FloatArray) -> pd.DataFrame:
+    """Return shapes as rows.
+
+    Parameters
+    ----------
+    panel, shape
+        Where they are drawn, and what they are.
+    corners
+        Shape (m, k, 2) with k at most 4, in model units.
+    """
+    flat = np.full((len(corners), 8), np.nan)
+    flat[:, : 2 * corners.shape[1]] = corners.reshape(len(corners), 2 * corners.shape[1])
+    table = pd.DataFrame(flat, columns=SHAPE_COLUMNS[2:])
+    table.insert(0, "shape", shape)
+    table.insert(0, "panel", panel)
+    return table
+
+
+def mesh_rows(panel: str, mesh: VolumeMesh) -> pd.DataFrame:
+    """Return the elements of a quad mesh as shapes called by their kind."""
+    return pd.concat(
+        [
+            shape_rows(panel, kind, mesh.points[mesh.cells[mesh.kind == k]])
+            for k, kind in enumerate(KINDS)
+            if (mesh.kind == k).any()
+        ],
+        ignore_index=True,
+    )
+
+
+def cell_rows(panel: str, kept: BoolArray, grid: BackgroundGrid) -> pd.DataFrame:
+    """Return the kept cells of a grid in the plane as shapes."""
+    corners = np.argwhere(kept)[:, None] + QUAD_CORNERS
+    return shape_rows(panel, KEPT, grid.to_points(corners.reshape(-1, 2)).reshape(-1, 4, 2))
+
+
+def sub_cell_rows(panel: str, fractions: VolumeFractions, threshold: float) -> pd.DataFrame:
+    """Return the interior edges and vertices as shapes."""
+    grid = fractions.grid
+    places = np.argwhere(fractions.values >= threshold)
+    is_body = places % 2 == 1
+    tables = []
+    for axis in range(2):
+        middle = places[is_body[:, axis] & ~is_body[:, 1 - axis]]
+        ends = np.repeat(middle[:, None] / 2, 2, axis=1)
+        ends[:, 0, axis] -= 0.5
+        ends[:, 1, axis] += 0.5
+        tables.append(shape_rows(panel, INTERIOR_EDGE, grid.to_points(ends)))
+    vertices = places[~is_body.any(axis=1)][:, None] / 2
+    tables.append(shape_rows(panel, INTERIOR_VERTEX, grid.to_points(vertices)))
+    return pd.concat(tables, ignore_index=True)
+
+
+def mesh_example(
+    name: str,
+    polygons: list[Polygon],
+    grid: BackgroundGrid,
+    *,
+    threshold: float = 0.5,
+    policy: Policy | None = None,
+) -> tuple[pd.DataFrame, dict[str, Any]]:
+    """Return the shapes of an example before and after anti-aliasing, and what changed.
+
+    Parameters
+    ----------
+    name
+        The example; its panels are called ``<name>: before`` and ``<name>: after``.
+    polygons
+        Its geometry, triangles or quads that do not overlap, counter-clockwise.
+    grid
+        The background grid.
+    threshold
+        Volume-fraction threshold, dimensionless.
+    policy
+        What to do about pinches and archipelagos.
+    """
+    fractions = exact_fractions(polygons, grid)
+    cells = CellSets(fractions, policy).at(threshold)
+    resolved = build_mesh(cells, grid, name=name)
+    kept = fractions.cells >= threshold
+    before, after = f"{name}: before", f"{name}: after"
+    outlines = [np.array(polygon, dtype=np.float64)[None] for polygon in polygons]
+    shapes = pd.concat(
+        [
+            *(shape_rows(panel, GEOMETRY, o) for panel in (before, after) for o in outlines),
+            cell_rows(before, kept, grid),
+            sub_cell_rows(before, fractions, threshold),
+            mesh_rows(after, resolved.mesh),
+        ],
+        ignore_index=True,
+    )
+    raw = closed_betti(kept)
+    facts = {
+        "example": name,
+        "threshold": threshold,
+        "cells": int(kept.sum()),
+        "pinches": int(find_pinches(kept).sum()),
+        "components_before": raw.betti_0,
+        "holes_before": raw.betti_1,
+        "pinches_connected": int((cells.decisions.at_vertex == CONNECT).sum()),
+        "bridges": resolved.cells.n_bridges,
+        "removed_components": cells.count_dropped("component"),
+        **mesh_facts(resolved.mesh, resolved.cells.predicted),
+    }
+    return shapes, facts
+
+
+def mesh_facts(mesh: VolumeMesh, predicted: BettiNumbers) -> dict[str, Any]:
+    """Return the measured topology of a mesh, whether it is as predicted, and if it is sound."""
+    measured = betti_by_euler(mesh)
+    return {
+        "elements": mesh.n_cells,
+        "components": measured.betti_0,
+        "holes": measured.betti_1,
+        "voids": measured.betti_2,
+        "as_predicted": measured == betti_by_boundary(mesh) == predicted,
+        "sound": all(bool(check.holds) for check in check_mesh(mesh)),
+    }

@@ -1,0 +1,1 @@
+"""Figures of the studies; those of every model are in `tusqh.figures`."""

@@ -1,0 +1,142 @@
+"""Other programs that make solids of dirty surfaces, each in one function.
+
+Run as ``python -m studies.peer_meshers PEER INPUT.npz OUTPUT.npz SECONDS``, in a process
+of its own, because some crash or never end; `studies.peers` does that.
+"""
+
+from __future__ import annotations
+
+import resource
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+
+from tusqh.grid import HEX_CORNERS, FloatArray, IntArray
+
+#: Exit status that says that a peer is not installed.
+NOT_INSTALLED = 3
+
+Arrays = dict[str, np.ndarray]
+Solid = tuple[FloatArray, IntArray]
+
+#: Corners of VTK's voxel in the order of its hexahedron.
+_VOXEL_TO_HEX = [0, 1, 3, 2, 4, 5, 7, 6]
+
+
+def mesh_by_automesh(given: Arrays) -> Solid:
+    """Return the hexes that automesh makes of our kept cells; it takes voxels, not surfaces."""
+    import meshio
+
+    automesh = import_module("automesh")
+
+    with tempfile.TemporaryDirectory() as folder:
+        voxels, out = Path(folder) / "voxels.npy", Path(folder) / "hexes.vtk"
+        np.save(voxels, given["kept"].astype(np.uint8))
+        elements = automesh.Voxels.from_npy(str(voxels)).as_finite_elements(
+            remove=[0],
+            scale=[float(given["cell_size"])] * 3,
+            translate=given["origin"].tolist(),
+        )
+        elements.write_vtk(str(out))
+        mesh = meshio.read(out)
+    return mesh.points, mesh.cells_dict["hexahedron"]
+
+
+def mesh_by_pytetwild(given: Arrays) -> Solid:
+    """Return the tetrahedra that fTetWild makes of the surface, with its own defaults."""
+    points, tets = import_module("pytetwild").tetrahedralize(
+        given["points"], given["triangles"].astype(np.int32), quiet=True, vtk_ordering=True
+    )
+    return points, tets.astype(np.int64)
+
+
+def mesh_by_pyvista(given: Arrays) -> Solid:
+    """Return the voxels inside the surface by PyVista (VTK's image stencil), of our cell size."""
+    import pyvista
+
+    faces = np.column_stack([np.full(len(given["triangles"]), 3), given["triangles"]])
+    surface = pyvista.PolyData(given["points"], faces=faces.ravel())
+    voxels = surface.voxelize(spacing=float(given["cell_size"]))
+    corners = voxels.cells.reshape(-1, 9)[:, 1:]
+    return np.array(voxels.points, dtype=np.float64), corners[:, _VOXEL_TO_HEX].astype(np.int64)
+
+
+def mesh_by_trimesh(given: Arrays) -> Solid:
+    """Return the voxels that touch the surface or lie inside it by trimesh, of our cell size."""
+    import trimesh
+
+    surface = trimesh.Trimesh(given["points"], given["triangles"], process=False)
+    size = float(given["cell_size"])
+    voxels = surface.voxelized(size).fill()
+    corners = np.argwhere(voxels.matrix)[:, None] + HEX_CORNERS
+    shape = np.add(voxels.matrix.shape, 1)
+    numbers = np.ravel_multi_index(tuple(np.moveaxis(corners, -1, 0)), tuple(shape))
+    used, cells = np.unique(numbers, return_inverse=True)
+    lattice = np.stack(np.unravel_index(used, tuple(shape)), axis=1)
+    # Its transform gives the middle of a voxel.
+    points = voxels.transform[:3, 3] + size * (lattice - 0.5)
+    return points, cells.reshape(numbers.shape)
+
+
+def mesh_by_tusqh(given: Arrays) -> Solid:
+    """Return our hexes at the threshold that was chosen before; sampled here, for the time."""
+    from tusqh.antialias.cells import CellSets
+    from tusqh.antialias.policy import Criteria, Policy
+    from tusqh.antialias.resolve import build_mesh
+    from tusqh.geometry.soup import Soup
+    from tusqh.grid import BackgroundGrid
+    from tusqh.sampling.fractions import Rule, sample_fractions
+
+    soup = Soup(given["points"], given["triangles"], np.zeros(len(given["triangles"]), np.int64))
+    grid = BackgroundGrid(
+        shape=given["kept"].shape,
+        cell_size=float(given["cell_size"]),
+        origin=tuple(given["origin"].tolist()),
+    )
+    rule: Rule = "clamped" if given["is_clamped"] else "average"
+    fractions = sample_fractions(soup, grid, rule=rule, samples=int(given["samples"]))
+    policy = Policy(components=Criteria(min_cells=int(given["min_cells"])))
+    mesh = build_mesh(CellSets(fractions, policy).at(float(given["threshold"])), grid).mesh
+    return mesh.points, mesh.cells
+
+
+PEERS: dict[str, Callable[[Arrays], Solid]] = {
+    "tusqh": mesh_by_tusqh,
+    "automesh": mesh_by_automesh,
+    "pytetwild": mesh_by_pytetwild,
+    "pyvista": mesh_by_pyvista,
+    "trimesh": mesh_by_trimesh,
+}
+
+
+def main(peer: str, source: Path, target: Path, limit: int) -> int:
+    """Run a peer on arrays in a file and write its points, cells and seconds to another.
+
+    The limit is on processor time, which other work on the machine does not use up.
+    """
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
+    with np.load(source) as content:
+        given = {key: content[key] for key in content.files}
+    began, used = time.perf_counter(), time.process_time()
+    try:
+        points, cells = PEERS[peer](given)
+    except ModuleNotFoundError as reason:
+        sys.stderr.write(f"{reason}\n")
+        return NOT_INSTALLED
+    np.savez(
+        target,
+        points=points,
+        cells=np.asarray(cells, dtype=np.int64),
+        seconds=time.perf_counter() - began,
+        processor_seconds=time.process_time() - used,
+    )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], Path(sys.argv[2]), Path(sys.argv[3]), int(sys.argv[4])))

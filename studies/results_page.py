@@ -1,0 +1,193 @@
+"""Pages made of tables and figures: the text is a template, the numbers come from the tables.
+
+A template is Jinja2 text.  What it gets can use only what the page was given::
+
+    {{ value("results/tables/summary.csv", "elements", "model == 'bearings'") }}
+    {{ table("results/tables/summary.csv", columns=["model", "verdict"], rows="cells > 100") }}
+    {{ figure("results/bearings/figures/panels.png", "Meshes of the bearing.") }}
+    {{ link("results/bearings/figures/panels.png") }}
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import numpy as np
+import pandas as pd
+
+from provenance.stamp import read_mark, stamp
+from tusqh.atomic import replacing
+from tusqh.errors import TusqhError
+
+#: Widest picture on a page, in pixels; the full one stays in results/.
+_PICTURE_WIDTH = 1400
+
+
+class PageError(TusqhError):
+    """A page asks for a table or figure that it was not given, or is not right itself."""
+
+
+def picture_name(figure: str) -> str:
+    """Return what the picture of a figure is called on a page.
+
+    >>> picture_name("results/dragon/figures/panels.png")
+    'dragon_panels.png'
+    >>> picture_name("results/figures/pinches.png")
+    'pinches.png'
+    """
+    folders = Path(figure).parts[:-1]
+    owner = [part for part in folders if part not in ("results", "figures", "tables")]
+    return "_".join([*owner, Path(figure).name])
+
+
+def render_page(
+    template: Path,
+    *,
+    tables: Iterable[str],
+    figures: Iterable[str],
+    pictures: str = "images/results",
+) -> str:
+    """Return the Markdown text of a page.
+
+    Parameters
+    ----------
+    template
+        The Jinja2 template; what it includes is looked for beside it.
+    tables
+        CSV files it may quote.
+    figures
+        PNG files it may show; it has to show all of them.
+    pictures
+        Folder of the pictures, as seen from the page.
+
+    Raises
+    ------
+    PageError
+        The template is broken, asks for a file that it was not given or for a value that is not
+        exactly one, or leaves a figure out.
+    """
+    given = {path: pd.read_csv(path) for path in tables}
+    allowed, shown = set(figures), set()
+
+    def figure(path: str, caption: str) -> str:
+        _require(path in allowed, f"the figure {path} is not an input", template)
+        shown.add(path)
+        return f"![{caption}]({pictures}/{picture_name(path)})\n\n*{caption}*"
+
+    def link(path: str) -> str:
+        if path in allowed:
+            return f"[`{path}`]({pictures}/{picture_name(path)})"
+        return f"`{path}`"
+
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(template.parent),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,
+    )
+    functions: dict[str, Callable[..., Any]] = {
+        "figure": figure,
+        "link": link,
+        "table": lambda path, **how: _to_markdown(_rows(given, path, template, **how)),
+        "value": lambda path, column, rows=None: _one(
+            _rows(given, path, template, columns=[column], rows=rows), path, template
+        ),
+        "count": lambda path, rows=None: len(_rows(given, path, template, rows=rows)),
+        "rows": lambda path, **how: _rows(given, path, template, **how).to_dict("records"),
+        "has": lambda path: path in given or path in allowed,
+    }
+    try:
+        text = environment.get_template(template.name).render(**functions)
+    except jinja2.TemplateError as reason:
+        raise PageError(
+            f"the template does not render: {reason}",
+            where=str(template),
+            expected="Jinja2 text that uses table, value, rows, figure and has",
+            remedy="correct the template",
+        ) from reason
+    missing = sorted(allowed - shown)
+    _require(not missing, f"the page does not show {', '.join(missing)}", template)
+    return text.rstrip() + "\n"
+
+
+def copy_pictures(figures: Sequence[str], folder: Path) -> list[Path]:
+    """Write the figures into a folder of a page, no wider than a page needs; return the files.
+
+    Each keeps the mark that says what it was drawn from.
+    """
+    from PIL import Image
+
+    written = []
+    for figure in figures:
+        path = folder / picture_name(figure)
+        with Image.open(figure) as image, replacing(path) as temporary:
+            picture = image.convert("RGB")
+            if picture.width > _PICTURE_WIDTH:
+                height = round(picture.height * _PICTURE_WIDTH / picture.width)
+                picture = picture.resize((_PICTURE_WIDTH, height), Image.Resampling.LANCZOS)
+            # A palette of 256 colours: a third of the bytes, and nobody can tell.
+            picture.quantize(256, dither=Image.Dither.NONE).save(temporary, optimize=True)
+            mark = read_mark(Path(figure))
+            if mark:
+                stamp(temporary, mark)
+        written.append(path)
+    return written
+
+
+def _rows(
+    given: dict[str, pd.DataFrame],
+    path: str,
+    template: Path,
+    *,
+    columns: Sequence[str] | None = None,
+    rows: str | None = None,
+    names: dict[str, str] | None = None,
+) -> pd.DataFrame:
+    """Return some rows (a pandas query) and columns of a table, the columns renamed."""
+    _require(path in given, f"the table {path} is not an input", template)
+    found = given[path] if rows is None else given[path].query(rows)
+    if columns is not None:
+        unknown = sorted(set(columns) - set(found.columns))
+        _require(not unknown, f"{path} has no column {', '.join(unknown)}", template)
+        found = found[list(columns)]
+    return found.rename(columns=names or {})
+
+
+def _one(found: pd.DataFrame, path: str, template: Path) -> str:
+    """Return the only value of a table with one column."""
+    values = found.iloc[:, 0].drop_duplicates()
+    _require(len(values) == 1, f"{len(values)} different values in {path}, not one", template)
+    return _show(values.iloc[0])
+
+
+def _to_markdown(found: pd.DataFrame) -> str:
+    shown = found.map(_show)
+    return shown.to_markdown(index=False, disable_numparse=True)
+
+
+def _show(value: Any) -> str:
+    """Return a value for people: at most four significant digits, nothing for a missing one.
+
+    >>> [_show(value) for value in (0.123456, 12345, 1234567.8, True, float("nan"), "raw")]
+    ['0.1235', '12345', '1.235e+06', 'yes', '', 'raw']
+    """
+    if isinstance(value, bool | np.bool_):
+        return "yes" if value else "no"
+    if value is None or (isinstance(value, float | np.floating) and np.isnan(value)):
+        return ""
+    return f"{value:.4g}" if isinstance(value, float | np.floating) else str(value)
+
+
+def _require(holds: bool, found: str, template: Path) -> None:
+    if not holds:
+        raise PageError(
+            found,
+            where=str(template),
+            expected="a page that uses what its rule gives it",
+            remedy="list the file in workflow/rules/results.smk, or correct the template",
+        )

@@ -1,0 +1,318 @@
+"""The paper's theorem on gaps, swept: where the result depends on offset or orientation.
+
+With the closing and opening widths of a patch (`studies.gap_patch`) its outcome at every
+width is known.  For a set of orientations and offsets, the result is certain up to the smallest
+closing width (always closed) and beyond the largest opening width (always open); between them,
+the *window*, it depends: on the offset or the orientation, or along the gap itself.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from studies.gap import critical_width, sample_distances
+from studies.gap_patch import RULES, measure_widths
+from tusqh.grid import FloatArray
+
+#: The window that the theorem gives for cells alone and for cells with sub-cells, and the widths
+#: below which it says that orientation cannot be resolved; in cell sizes.
+CLAIMED = {
+    "touching": (math.sqrt(2) - 1, 1.0),
+    "faces": (math.sqrt(2) - 1, 1.0),
+    "filtration": (math.sqrt(2) - 1, math.sqrt(0.5)),
+    "sub-cells": (math.sqrt(2) - 1, math.sqrt(0.5)),
+}
+ORIENTATION_LIMIT = 0.5
+
+#: Samples along the side of a cell; 0 stands for exact areas and volumes.
+SAMPLES = {2: (0, 2, 4, 8, 16), 3: (0, 2, 4)}
+
+#: Cells along the gap.
+_LENGTH = {2: 12, 3: 4}
+
+#: Looking closer around an end of a window: from how many orientations, how often, and at which
+#: parts of the last spacing.  With samples the ends are rugged: many orientations are locally best.
+_STARTS = {2: 3, 3: 1}
+_ROUNDS = 7
+_STEPS = {2: np.linspace(-1.0, 1.0, 7), 3: np.linspace(-1.0, 1.0, 3)}
+
+_TIE = 1e-9
+
+
+def method_name(samples: int) -> str:
+    """Return how fractions are measured, for tables.
+
+    >>> method_name(0), method_name(4)
+    ('exact', 's=4')
+    """
+    return f"s={samples}" if samples else "exact"
+
+
+@dataclass(frozen=True)
+class Widths:
+    """Closing and opening widths of all orientations and offsets.
+
+    Parameters
+    ----------
+    places
+        What names an orientation, shape (m, dim - 1): in 2D the rotation in degrees, in 3D the
+        second and third component of the normal over the first.
+    offsets
+        Shape (k,), in cell sizes.
+    closing, opening
+        Shape (m, k, 4), in cell sizes.
+    """
+
+    places: FloatArray
+    offsets: FloatArray
+    closing: FloatArray
+    opening: FloatArray
+
+
+def normals_of(places: FloatArray) -> FloatArray:
+    """Return the unit normals of orientations, shape (m, dim), see `Widths.places`.
+
+    >>> normals_of(np.array([[45.0]])).round(3).tolist()
+    [[0.707, 0.707]]
+    """
+    if places.shape[1] == 1:
+        angle = np.deg2rad(places[:, 0])
+        return np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    normals = np.column_stack([np.ones(len(places)), places])
+    return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
+
+
+def rotations(step: float) -> FloatArray:
+    """Return rotations from 0 to 45 degrees, all up to symmetry, shape (m, 1)."""
+    return np.linspace(0.0, 45.0, round(45 / step) + 1)[:, None]
+
+
+def plane_normals(n: int) -> FloatArray:
+    """Return normals over the symmetric patch of the sphere, as ratios, shape (m, 2).
+
+    >>> plane_normals(1).tolist()
+    [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]
+    """
+    return np.array([[a / n, b / n] for a in range(n + 1) for b in range(a + 1)])
+
+
+def measure(places: FloatArray, offsets: FloatArray, samples: int) -> Widths:
+    """Return the widths of all orientations and offsets with exact fractions or with samples."""
+    normals = normals_of(places)
+    distances = np.stack([sample_distances(normal, samples) for normal in normals])
+    length = _LENGTH[normals.shape[1]]
+    closing, opening = measure_widths(normals, offsets, distances, length=length)
+    return Widths(places, offsets, closing, opening)
+
+
+def tabulate_orientations(widths: Widths, samples: int) -> pd.DataFrame:
+    """Return, for every orientation and rule, the ends of its own window over all offsets.
+
+    The columns `smallest_closing` and `largest_opening` bound the widths at which the offset
+    matters at that orientation; `middle_width` and `crossing_width` are what they come to for
+    exact fractions, in closed form: the critical width of a cell centred on the gap, and the
+    widest gap that a step can cross.
+    """
+    tables = []
+    normals = normals_of(widths.places)
+    exact = np.empty(0)
+    middle = [critical_width(0.0, normal, exact) for normal in normals]
+    for r, rule in enumerate(RULES):
+        table = _name_places(widths.places)
+        table.insert(0, "scheme", rule)
+        table.insert(0, "method", method_name(samples))
+        table["smallest_closing"] = widths.closing[:, :, r].min(axis=1)
+        table["largest_closing"] = widths.closing[:, :, r].max(axis=1)
+        table["smallest_opening"] = widths.opening[:, :, r].min(axis=1)
+        table["largest_opening"] = widths.opening[:, :, r].max(axis=1)
+        table["middle_width"] = middle
+        table["crossing_width"] = crossing_widths(rule, normals)
+        tables.append(table)
+    return pd.concat(tables, ignore_index=True)
+
+
+def crossing_widths(rule: str, normals: FloatArray) -> FloatArray:
+    """Return the widest gap that a path can cross with exact fractions, in closed form.
+
+    A step along ``d`` crosses most when it is centred on the gap, so up to the critical width of
+    a cell at distance ``n . d / 2``.  Paths step from cell to cell through a face (`faces`) or
+    any corner (`touching`), or between a cell and a corner of it, half as far (`sub-cells`).  In
+    the `filtration` vertices of the plane never help, because the middle of a pinch across a gap
+    lies in the gap; in space they do.
+
+    >>> crossing_widths("touching", np.array([[0.8, 0.6]])).round(3).tolist()
+    [1.4]
+    """
+    to_corner = normals.sum(axis=1)
+    to_face = normals.max(axis=1)
+    in_filtration = to_face if normals.shape[1] == 2 else np.maximum(to_face, to_corner / 2)
+    steps = {"touching": to_corner, "faces": to_face, "filtration": in_filtration}
+    exact = np.empty(0)
+    pairs = zip(steps.get(rule, to_corner / 2), normals, strict=True)
+    return np.array([critical_width(step / 2, normal, exact) for step, normal in pairs])
+
+
+def tabulate_sweep(widths: Widths, gap_widths: FloatArray, samples: int) -> pd.DataFrame:
+    """Return, for every width and orientation, how many offsets give which outcome.
+
+    `depends` says that there are two of them, or one that is mixed along the gap.
+    """
+    tables = []
+    for r, rule in enumerate(RULES):
+        closing, opening = widths.closing[:, None, :, r], widths.opening[:, None, :, r]
+        at = gap_widths[None, :, None]
+        n_closed = (at <= closing + _TIE).sum(axis=2)
+        n_open = (at > opening + _TIE).sum(axis=2)
+        n_offsets = len(widths.offsets)
+        table = _name_places(np.repeat(widths.places, len(gap_widths), axis=0))
+        table.insert(0, "width", np.tile(gap_widths, len(widths.places)))
+        table.insert(0, "scheme", rule)
+        table.insert(0, "method", method_name(samples))
+        table["closed"], table["open"] = n_closed.ravel(), n_open.ravel()
+        table["mixed"] = n_offsets - table["closed"] - table["open"]
+        table["depends"] = table[["closed", "open"]].max(axis=1) < n_offsets
+        tables.append(table)
+    return pd.concat(tables, ignore_index=True)
+
+
+def tabulate_windows(widths: Widths, samples: int) -> pd.DataFrame:
+    """Return the ends of the window of every rule, and where they lie, looked at closely.
+
+    The result is always closed up to `lower` and always open beyond `upper`, which is itself in
+    the window: with exact fractions because a cell that is just half full is kept.
+    """
+    rows = []
+    dim = widths.places.shape[1] + 1
+    for r, rule in enumerate(RULES):
+        for end, values, sign in (
+            ("lower", widths.closing[:, :, r], -1),
+            ("upper", widths.opening[:, :, r], 1),
+        ):
+            found, place, offset = _look_closer(widths, values, sign, r, samples)
+            rows.append(
+                {
+                    "dimension": dim,
+                    "method": method_name(samples),
+                    "scheme": rule,
+                    "end": end,
+                    "found": round(found, 6),
+                    **{k: round(v, 4) for k, v in _name_places(place[None]).iloc[0].items()},
+                    "offset": round(offset, 4),
+                }
+            )
+    table = pd.DataFrame(rows)
+    if dim == 2:
+        claimed = [
+            CLAIMED[rule][end == "upper"]
+            for rule, end in zip(table["scheme"], table["end"], strict=True)
+        ]
+        table["claimed"] = np.round(claimed, 6)
+        table["difference"] = (table["found"] - table["claimed"]).round(6)
+    return table
+
+
+def list_contradictions(sweep: pd.DataFrame) -> pd.DataFrame:
+    """Return all points of a sweep at which the theorem says the result is certain, and why.
+
+    The theorem gives two windows: cells alone (`touching`, `faces`) and with sub-cells
+    (`filtration`, `sub-cells`).  Outside of them every offset must give the same.
+    """
+    lower = sweep["scheme"].map(lambda rule: CLAIMED[rule][0])
+    upper = sweep["scheme"].map(lambda rule: CLAIMED[rule][1])
+    n_offsets = sweep[["closed", "open", "mixed"]].sum(axis=1)
+    too_early = (sweep["width"] <= lower) & (sweep["closed"] < n_offsets)
+    # With sub-cells the upper end itself is outside of the window, without them inside.
+    strict = sweep["scheme"].isin(["filtration", "sub-cells"])
+    is_beyond = (sweep["width"] > upper) | (strict & (sweep["width"] == upper))
+    too_late = is_beyond & (sweep["open"] < n_offsets)
+    rows = sweep[too_early | too_late].copy()
+    rows["why"] = [
+        _explain(*row)
+        for row in zip(rows["method"], rows["scheme"], rows["width"], rows["degrees"], strict=True)
+    ]
+    return rows.reset_index(drop=True)
+
+
+def _explain(method: str, rule: str, width: float, degrees: float) -> str:
+    """Return why a point contradicts the theorem, from what exact fractions do at it."""
+    normal = normals_of(np.array([[degrees]]))
+    closes = critical_width(0.0, normal[0], np.empty(0))
+    if closes < width <= crossing_widths(rule, normal)[0] + _TIE:
+        return {
+            "touching": "two kept cells touch at a corner across the gap: a pinch joins them",
+            "faces": "two kept cells share a face across the gap",
+            "filtration": "two kept cells share a face across the gap: sub-cells cannot cut it",
+            "sub-cells": "a cell and a vertex just half full face each other: a tie",
+        }[rule]
+    return f"{method}: a fraction by samples is off by up to one row of them"
+
+
+def _look_closer(
+    widths: Widths, values: FloatArray, sign: int, rule: int, samples: int
+) -> tuple[float, FloatArray, float]:
+    """Return the largest (sign 1) or smallest (-1) width, around the best one found so far."""
+    score = (sign * values).max(axis=1)
+    found = []
+    for start in np.argsort(-score, kind="stable")[: _STARTS[widths.places.shape[1] + 1]]:
+        place = widths.places[start]
+        k = int((sign * values[start]).argmax())
+        best, offset = float(values[start, k]), float(widths.offsets[k])
+        steps = _STEPS[len(place) + 1]
+        spread = [_spacing(widths.places), _spacing(widths.offsets[:, None])]
+        for _ in range(_ROUNDS):
+            around = np.stack(np.meshgrid(*[steps * spread[0]] * len(place), indexing="ij"), -1)
+            places = np.unique(_into_range(place + around.reshape(-1, len(place))), axis=0)
+            closer = measure(places, offset + steps * spread[1], samples)
+            new = (closer.closing if sign < 0 else closer.opening)[:, :, rule]
+            at = np.unravel_index(int((sign * new).argmax()), new.shape)
+            if sign * new[at] > sign * best:
+                best, place, offset = float(new[at]), places[at[0]], float(closer.offsets[at[1]])
+            spread = [s / 2 for s in spread]
+        found.append((best, place, offset % 1.0))
+    return max(found, key=lambda end: sign * end[0])
+
+
+def _spacing(values: FloatArray) -> float:
+    return float(np.diff(np.unique(values)).max())
+
+
+def _into_range(places: FloatArray) -> FloatArray:
+    """Return orientations moved back into the range that is all up to symmetry."""
+    if places.shape[1] == 1:
+        return np.clip(places, 0.0, 45.0)
+    first = np.clip(places[:, 0], 0.0, 1.0)
+    return np.stack([first, np.clip(places[:, 1], 0.0, first)], axis=1)
+
+
+def _name_places(places: FloatArray) -> pd.DataFrame:
+    names = ["degrees"] if places.shape[1] == 1 else ["ratio_2", "ratio_3"]
+    return pd.DataFrame(places, columns=names)
+
+
+def sweep_methods(
+    places: FloatArray, offsets: FloatArray, gap_widths: FloatArray
+) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
+    """Return orientations, sweep and windows, for every way to measure fractions.
+
+    Parameters
+    ----------
+    places
+        Orientations, see `Widths`.
+    offsets
+        Over a period, in cell sizes.
+    gap_widths
+        Widths of the sweep, in cell sizes.
+    """
+    orientations, sweeps, windows = [], [], []
+    for samples in SAMPLES[places.shape[1] + 1]:
+        widths = measure(places, offsets, samples)
+        orientations.append(tabulate_orientations(widths, samples))
+        sweeps.append(tabulate_sweep(widths, gap_widths, samples))
+        windows.append(tabulate_windows(widths, samples))
+    tables = (pd.concat(t, ignore_index=True) for t in (orientations, sweeps, windows))
+    first, second, third = tables
+    return first, second, third
