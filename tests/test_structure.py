@@ -20,6 +20,7 @@ from tusqh.geometry.files import PACKAGE, locate
 LAYERS = [
     *(
         "errors",
+        "extras",
         "hashing",
         "atomic",
         "progress",
