@@ -43,7 +43,7 @@ CLASSES = [
     ("*/elements.csv", Equality.NUMERIC),
     ("*/verdict.csv", Equality.NUMERIC),
     ("*/defects.csv", Equality.NUMERIC),
-    ("*/mesh.json", Equality.NUMERIC),
+    ("*/facts.json", Equality.NUMERIC),
     ("results/tables/*", Equality.NUMERIC),
     ("*.vtu", Equality.CANONICAL),
     ("*.vtp", Equality.CANONICAL),
@@ -61,7 +61,7 @@ CLASSES = [
 def class_of(path: str) -> Equality:
     """Return the class that an output must reach.
 
-    >>> class_of("results/bay/plateaus.csv"), class_of("results/bay/figures/diagram.png")
+    >>> class_of("results/bay/curves.csv"), class_of("results/bay/figures/diagram.png")
     (<Equality.EXACT: 'exact'>, <Equality.VISUAL: 'visual'>)
     """
     return next((kind for pattern, kind in CLASSES if fnmatchcase(path, pattern)), Equality.EXACT)

@@ -53,7 +53,7 @@ def write_model(folder: Path, name: str, *, holds: bool = True, n_rows: int = 3)
     facts = {"dimension": 3, "elements": 12345, "grid": "4x4x4", "pinches": 7}
     facts |= {"volume": 3.0, "winding_volume": 4.0}
     (folder / "certificate.json").write_text(json.dumps(certificate))
-    (folder / "mesh.json").write_text(json.dumps(facts))
+    (folder / "facts.json").write_text(json.dumps(facts))
     geometry = folder / "<b>'&.stl"
     geometry.write_bytes(b"solid")
     tables = {
@@ -67,10 +67,10 @@ def write_model(folder: Path, name: str, *, holds: bool = True, n_rows: int = 3)
     (folder / "a picture#1.png").write_bytes(b"")
     return ModelFiles(
         certificate=folder / "certificate.json",
-        facts=folder / "mesh.json",
+        facts=folder / "facts.json",
         geometry=str(geometry),
         figures=[folder / "a picture#1.png"],
-        links={"mesh & more": folder / "mesh.json"},
+        links={"mesh & more": folder / "facts.json"},
         **{title: folder / f"{title}.csv" for title in tables},
     )
 

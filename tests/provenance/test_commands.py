@@ -152,12 +152,12 @@ def test_rebuild_compares_what_was_made_anew(project, run, monkeypatch):
         for target in targets:
             (folder / target).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(target, folder / target)
-        (folder / "results/gap/plateaus.csv").write_text("upper,lower\n")
+        (folder / "results/gap/curves.csv").write_text("upper,lower\n")
 
     monkeypatch.setattr(rebuild, "_run", copy_but_one)
     code, text = run("verify", "--rebuild", "gap")
     assert code == 1
-    assert "different: results/gap/plateaus.csv (gap/persistence)" in text
+    assert "different: results/gap/curves.csv (gap/persistence)" in text
     with pytest.raises(ProvenanceError, match="there is no model 'gaps'"):
         run("verify", "--rebuild", "gaps")
 

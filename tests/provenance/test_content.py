@@ -132,7 +132,7 @@ def test_contents_survive_the_lock(tmp_path):
 @pytest.mark.parametrize(
     ("path", "equality"),
     [
-        ("results/bay/plateaus.csv", "exact"),
+        ("results/bay/curves.csv", "exact"),
         ("results/bay/diagram.csv", "canonical"),
         ("results/bay/simulation/concentration_00001.vtu", "numeric"),
         ("results/bay/sweep/0.5.vtu", "canonical"),

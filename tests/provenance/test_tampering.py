@@ -43,7 +43,7 @@ def test_untouched_results_are_the_same_in_another_place(checkout):
 def test_a_flipped_bit_is_caught_in_every_kind_of_file(project):
     files = [
         *("results/gap/figures/thresholds.png", "results/figures/pinches.png"),
-        *("results/gap/plateaus.csv", "results/tables/summary.csv", "results/gap/mesh.vtu"),
+        *("results/gap/curves.csv", "results/tables/summary.csv", "results/gap/mesh.vtu"),
         *("results/ring/sweep/0.5.vtu", "results/ring/export/mesh.exo"),
         *("results/ring/geometry.vtp", "results/ro-crate-metadata.json"),
     ]
@@ -106,7 +106,7 @@ def test_edited_digests_and_sizes_in_records_are_caught(project):
 
 
 def test_a_table_forged_together_with_its_record_is_caught(project):
-    table = "results/gap/plateaus.csv"
+    table = "results/gap/curves.csv"
     project.edit(table, "0.", "0.9")
 
     def forge(what):

@@ -50,7 +50,7 @@ def built(repository, tmp_path_factory):
 
 
 def test_the_workflow_meshes_the_pores(built):
-    facts = json.loads((built / "results/foam/mesh.json").read_text())
+    facts = json.loads((built / "results/foam/facts.json").read_text())
     assert facts["grid"] == "12x12x12"
     assert facts["cell_size"] == 9
     assert facts["betti_measured"] == facts["betti_predicted"]

@@ -98,7 +98,7 @@ def test_holes_of_a_solid_cannot_be_filled(repository, built):
     config = CONFIG.replace("    unit: mm\n", "    unit: mm\n    holes: {min_cells: 2}\n")
     (built / "other.yaml").write_text(config.replace("ring:", "filled:"))
     done = snakemake(
-        repository, built, "results/filled/threshold.json", "--configfile", "other.yaml"
+        repository, built, "results/filled/selection.json", "--configfile", "other.yaml"
     )
     assert done.returncode != 0
     assert "`holes` of a 3D model" in done.stdout + done.stderr

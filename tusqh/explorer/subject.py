@@ -29,8 +29,8 @@ _Y_UP = (".obj", ".glb", ".gltf")
 
 #: Files of a result folder that an explorer is made of.
 FILES = (
-    *("geometry.vtp", "fractions.npz", "plateaus.csv", "topologies.csv", "diagram.csv"),
-    *("threshold.json", "mesh.vtu", *(f"{table}.csv" for table in TABLES)),
+    *("geometry.vtp", "fractions.npz", "curves.csv", "topologies.csv", "diagram.csv"),
+    *("selection.json", "mesh.vtu", *(f"{table}.csv" for table in TABLES)),
 )
 
 
@@ -149,7 +149,7 @@ def read_subject(
             remedy="make it with the workflow, or with tusqh mesh GEOMETRY --results FOLDER",
         )
     name = folder.resolve().name
-    chosen: dict[str, Any] = json.loads((folder / "threshold.json").read_text(encoding="utf-8"))
+    chosen: dict[str, Any] = json.loads((folder / "selection.json").read_text(encoding="utf-8"))
     fractions = load_fractions(folder / "fractions.npz")
     shape = load_geometry(folder / "geometry.vtp")
     file = geometry or shape.name
@@ -165,7 +165,7 @@ def read_subject(
         command=command,
         geometry=shape,
         fractions=fractions,
-        curves=pd.read_csv(folder / "plateaus.csv"),
+        curves=pd.read_csv(folder / "curves.csv"),
         topologies=pd.read_csv(folder / "topologies.csv"),
         diagram=pd.read_csv(folder / "diagram.csv"),
         selection=Selection.from_dict(chosen),

@@ -197,7 +197,7 @@ class Result:
             "defects": self.defects,
             "diagram": self.diagram,
             "diagonal": self.persistence.diagonal,
-            "plateaus": self.curves,
+            "curves": self.curves,
             "topologies": self.topologies,
             "candidates": self.choice.candidates,
             "elements": self.judgement.elements,
@@ -205,12 +205,12 @@ class Result:
         }
         for name, table in tables.items():
             write_csv(folder / f"{name}.csv", table)
-        write_text(folder / "threshold.json", canonical_json(asdict(self.selection)))
+        write_text(folder / "selection.json", canonical_json(asdict(self.selection)))
         self.built.write(
             fractions=folder / "fractions.npz",
             mesh=folder / "mesh.vtu",
             certificate=folder / "certificate.json",
             features=folder / "features.csv",
             bridges=folder / "bridges.csv",
-            facts=folder / "mesh.json",
+            facts=folder / "facts.json",
         )

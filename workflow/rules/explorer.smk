@@ -5,10 +5,10 @@ rule explorer:
     input:
         geometry="results/{model}/geometry.vtp",
         fractions="results/{model}/fractions.npz",
-        plateaus="results/{model}/plateaus.csv",
+        curves="results/{model}/curves.csv",
         topologies="results/{model}/topologies.csv",
-        pairs="results/{model}/diagram.csv",
-        threshold="results/{model}/threshold.json",
+        diagram="results/{model}/diagram.csv",
+        selection="results/{model}/selection.json",
         mesh="results/{model}/mesh.vtu",
         features="results/{model}/features.csv",
         bridges="results/{model}/bridges.csv",

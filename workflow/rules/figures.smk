@@ -20,9 +20,9 @@ rule figure_thresholds:
 
 rule figure_diagram:
     input:
-        pairs="results/{model}/diagram.csv",
+        diagram="results/{model}/diagram.csv",
         diagonal="results/{model}/diagonal.csv",
-        threshold="results/{model}/threshold.json",
+        selection="results/{model}/selection.json",
     output:
         figure=report("results/{model}/figures/diagram.png", "../report/diagram.rst", category="{model}"),
         record="results/provenance/{model}/figure_diagram.json",
@@ -39,9 +39,9 @@ rule figure_diagram:
 
 rule figure_curves:
     input:
-        plateaus="results/{model}/plateaus.csv",
+        curves="results/{model}/curves.csv",
         topologies="results/{model}/topologies.csv",
-        threshold="results/{model}/threshold.json",
+        selection="results/{model}/selection.json",
     output:
         figure=report("results/{model}/figures/curves.png", "../report/curves.rst", category="{model}"),
         record="results/provenance/{model}/figure_curves.json",
@@ -79,7 +79,7 @@ rule figure_antialias:
     input:
         fractions="results/{model}/fractions.npz",
         mesh="results/{model}/mesh.vtu",
-        threshold="results/{model}/threshold.json",
+        selection="results/{model}/selection.json",
     output:
         figure=report("results/{model}/figures/antialias.png", "../report/antialias.rst", category="{model}"),
         record="results/provenance/{model}/figure_antialias.json",
@@ -98,7 +98,7 @@ rule figure_antialias:
 rule figure_contaminant:
     input:
         snapshots=expand("results/{{model}}/simulation/{file}", file=SNAPSHOT_FILES),
-        table="results/{model}/simulation/mass.csv",
+        table="results/{model}/simulation/amount.csv",
     output:
         figure=report("results/{model}/figures/contaminant.png", "../report/contaminant.rst", category="{model}"),
         record="results/provenance/{model}/figure_contaminant.json",
@@ -118,7 +118,7 @@ rule figure_panels:
     input:
         geometry="results/{model}/geometry.vtp",
         meshes=expand("results/{{model}}/sweep/{threshold}.vtu", threshold=SWEEP[3]),
-        rows="results/{model}/verification.csv",
+        verification="results/{model}/verification.csv",
     output:
         figure=report("results/{model}/figures/panels.png", "../report/panels.rst", category="{model}"),
         record="results/provenance/{model}/figure_panels.json",
@@ -136,7 +136,7 @@ rule figure_panels:
 rule figure_temperature:
     input:
         snapshots=expand("results/{{model}}/simulation/{file}", file=SNAPSHOT_FILES),
-        table="results/{model}/simulation/mass.csv",
+        table="results/{model}/simulation/amount.csv",
     output:
         figure=report("results/{model}/figures/temperature.png", "../report/temperature.rst", category="{model}"),
         record="results/provenance/{model}/figure_temperature.json",

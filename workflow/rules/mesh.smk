@@ -1,10 +1,10 @@
 rule mesh:
     input:
         fractions="results/{model}/fractions.npz",
-        threshold="results/{model}/threshold.json",
+        selection="results/{model}/selection.json",
     output:
         mesh="results/{model}/mesh.vtu",
-        facts="results/{model}/mesh.json",
+        facts="results/{model}/facts.json",
         features=report("results/{model}/features.csv", "../report/features.rst", category="{model}"),
         bridges=report("results/{model}/bridges.csv", "../report/bridges.rst", category="{model}"),
         certificate=report("results/{model}/certificate.json", "../report/certificate.rst", category="{model}"),
@@ -30,7 +30,7 @@ for dimension in (2, 3):
             fractions="results/{model}/fractions.npz",
         output:
             meshes=expand("results/{{model}}/sweep/{threshold}.vtu", threshold=SWEEP[dimension]),
-            rows="results/{model}/verification.csv",
+            verification="results/{model}/verification.csv",
             record="results/provenance/{model}/sweep.json",
             record_how="results/provenance/{model}/sweep.how.json",
         wildcard_constraints:

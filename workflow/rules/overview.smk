@@ -6,7 +6,7 @@ rule overview:
     input:
         geometries=sorted({g for g in GEOMETRY.values() if not g.startswith(PACKAGE)}),
         certificate=expand("results/{model}/certificate.json", model=MODELS),
-        facts=expand("results/{model}/mesh.json", model=MODELS),
+        facts=expand("results/{model}/facts.json", model=MODELS),
         defects=expand("results/{model}/defects.csv", model=MODELS),
         candidates=expand("results/{model}/candidates.csv", model=MODELS),
         verdict=expand("results/{model}/verdict.csv", model=MODELS),

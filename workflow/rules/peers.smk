@@ -3,7 +3,7 @@ rule peer:
     input:
         geometry="results/{model}/geometry.vtp",
         fractions="results/{model}/fractions.npz",
-        threshold="results/{model}/threshold.json",
+        selection="results/{model}/selection.json",
     output:
         row="results/{model}/peers/{peer}.csv",
         timing="results/{model}/peers/{peer}_timing.csv",

@@ -1,7 +1,7 @@
 rule quality:
     input:
         mesh="results/{model}/mesh.vtu",
-        facts="results/{model}/mesh.json",
+        facts="results/{model}/facts.json",
     output:
         elements=report("results/{model}/elements.csv", "../report/elements.rst", category="{model}"),
         verdict=report("results/{model}/verdict.csv", "../report/verdict.rst", category="{model}"),

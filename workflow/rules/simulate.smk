@@ -4,7 +4,7 @@ rule simulate:
     output:
         collection="results/{model}/simulation/concentration.pvd",
         snapshots=expand("results/{{model}}/simulation/{file}", file=SNAPSHOT_FILES),
-        table=report("results/{model}/simulation/mass.csv", "../report/mass.rst", category="{model}"),
+        table=report("results/{model}/simulation/amount.csv", "../report/amount.rst", category="{model}"),
         record="results/provenance/{model}/simulate.json",
         record_how="results/provenance/{model}/simulate.how.json",
     params:

@@ -2,7 +2,7 @@
 rule suitability:
     input:
         fractions="results/{model}/fractions.npz",
-        threshold="results/{model}/threshold.json",
+        selection="results/{model}/selection.json",
     output:
         table="results/{model}/suitability.csv",
         record="results/provenance/{model}/suitability.json",
@@ -61,7 +61,7 @@ for dimension in (2, 3):
             f"placements_{dimension}d"
         input:
             geometry="results/{model}/geometry.vtp",
-            threshold="results/{model}/threshold.json",
+            selection="results/{model}/selection.json",
         output:
             placements="results/{model}/placements.csv",
             spread="results/{model}/orientation.csv",
@@ -89,7 +89,7 @@ for dimension in (2, 3):
 rule figure_stability:
     input:
         stability="results/{model}/stability.csv",
-        threshold="results/{model}/threshold.json",
+        selection="results/{model}/selection.json",
     output:
         figure=report("results/{model}/figures/stability.png", "../report/stability.rst", category="{model}"),
         record="results/provenance/{model}/figure_stability.json",
@@ -110,7 +110,7 @@ rule placements_of_all_models:
         spreads=expand("results/{model}/orientation.csv", model=MODELS),
         stabilities=expand("results/{model}/stability.csv", model=MODELS),
         recommended=expand("results/{model}/recommended_grid.csv", model=MODELS),
-        thresholds=expand("results/{model}/threshold.json", model=MODELS),
+        selections=expand("results/{model}/selection.json", model=MODELS),
     output:
         spread=report("results/tables/orientation.csv", "../report/orientation.rst", category="Tables"),
         pooled=report("results/tables/orientation_pooled.csv", "../report/orientation.rst", category="Tables"),

@@ -1,8 +1,8 @@
 rule tables:
     input:
-        facts=expand("results/{model}/mesh.json", model=MODELS),
+        facts=expand("results/{model}/facts.json", model=MODELS),
         verdicts=expand("results/{model}/verdict.csv", model=MODELS),
-        masses=expand("results/{model}/simulation/mass.csv", model=MODELS),
+        amounts=expand("results/{model}/simulation/amount.csv", model=MODELS),
         defects=expand("results/{model}/defects.csv", model=MODELS),
         verifications=expand("results/{model}/verification.csv", model=MODELS),
     output:

@@ -2,9 +2,9 @@ rule persistence:
     input:
         fractions="results/{model}/fractions.npz",
     output:
-        pairs=report("results/{model}/diagram.csv", "../report/diagram.rst", category="{model}"),
+        diagram=report("results/{model}/diagram.csv", "../report/diagram.rst", category="{model}"),
         diagonal="results/{model}/diagonal.csv",
-        plateaus="results/{model}/plateaus.csv",
+        curves="results/{model}/curves.csv",
         record="results/provenance/{model}/persistence.json",
         record_how="results/provenance/{model}/persistence.how.json",
     params:
@@ -20,10 +20,10 @@ rule persistence:
 rule select:
     input:
         fractions="results/{model}/fractions.npz",
-        plateaus="results/{model}/plateaus.csv",
-        pairs="results/{model}/diagram.csv",
+        curves="results/{model}/curves.csv",
+        diagram="results/{model}/diagram.csv",
     output:
-        threshold="results/{model}/threshold.json",
+        selection="results/{model}/selection.json",
         topologies=report("results/{model}/topologies.csv", "../report/topologies.rst", category="{model}"),
         candidates=report("results/{model}/candidates.csv", "../report/candidates.rst", category="{model}"),
         record="results/provenance/{model}/select.json",

@@ -11,7 +11,7 @@ with recorded(snakemake) as log:
     figure = draw_antialias(
         load_fractions(Path(snakemake.input.fractions)),
         read_vtu(Path(snakemake.input.mesh), name=snakemake.wildcards.model),
-        threshold=json.loads(Path(snakemake.input.threshold).read_text())["threshold"],
+        threshold=json.loads(Path(snakemake.input.selection).read_text())["threshold"],
         unit=snakemake.params.drawing["unit"],
     )
     style.save(figure, Path(snakemake.output.figure))

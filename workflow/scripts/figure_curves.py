@@ -8,9 +8,9 @@ from tusqh.figures import style
 from tusqh.figures.curves import draw_curves
 
 with recorded(snakemake) as log:
-    chosen = json.loads(Path(snakemake.input.threshold).read_text())
+    chosen = json.loads(Path(snakemake.input.selection).read_text())
     figure = draw_curves(
-        pd.read_csv(snakemake.input.plateaus),
+        pd.read_csv(snakemake.input.curves),
         pd.read_csv(snakemake.input.topologies),
         threshold=chosen["threshold"],
         interval=(chosen["lower"], chosen["upper"]),

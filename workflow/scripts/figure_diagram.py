@@ -9,9 +9,9 @@ from tusqh.figures.diagram import draw_diagram
 
 with recorded(snakemake) as log:
     figure = draw_diagram(
-        pd.read_csv(snakemake.input.pairs),
+        pd.read_csv(snakemake.input.diagram),
         pd.read_csv(snakemake.input.diagonal),
-        threshold=json.loads(Path(snakemake.input.threshold).read_text())["threshold"],
+        threshold=json.loads(Path(snakemake.input.selection).read_text())["threshold"],
         name=snakemake.wildcards.model,
     )
     style.save(figure, Path(snakemake.output.figure))

@@ -9,7 +9,7 @@ from tusqh.geometry.files import load_geometry
 from tusqh.meshes.export import read_vtu
 
 with recorded(snakemake) as log:
-    rows = pd.read_csv(snakemake.input.rows)
+    rows = pd.read_csv(snakemake.input.verification)
     meshes = [
         read_vtu(Path(path)) if n_elements else None
         for path, n_elements in zip(snakemake.input.meshes, rows["elements"], strict=True)

@@ -8,7 +8,7 @@ from studies.figures.stability import draw_stability
 from tusqh.figures import style
 
 with recorded(snakemake) as log:
-    chosen = json.loads(Path(snakemake.input.threshold).read_text())
+    chosen = json.loads(Path(snakemake.input.selection).read_text())
     figure = draw_stability(
         pd.read_csv(snakemake.input.stability),
         threshold=chosen["threshold"],

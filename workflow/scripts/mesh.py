@@ -10,7 +10,7 @@ WRITTEN = ("mesh", "certificate", "features", "bridges", "facts")
 
 with recorded(snakemake) as log:
     fractions = Path(snakemake.input.fractions)
-    selection = Selection.from_dict(json.loads(Path(snakemake.input.threshold).read_text()))
+    selection = Selection.from_dict(json.loads(Path(snakemake.input.selection).read_text()))
     built = build(load_fractions(fractions), selection, name=snakemake.wildcards.model)
     log.info("%(elements)d elements, Betti numbers %(betti_measured)s", built.facts)
     built.write(fractions=fractions, **{name: Path(snakemake.output[name]) for name in WRITTEN})

@@ -11,7 +11,7 @@ from tusqh.sampling.io import load_fractions
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
-    selection = json.loads(Path(snakemake.input.threshold).read_text())
+    selection = json.loads(Path(snakemake.input.selection).read_text())
     row, timing = run_peer(
         snakemake.wildcards.peer,
         load_geometry(Path(snakemake.input.geometry)),

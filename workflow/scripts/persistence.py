@@ -9,6 +9,6 @@ with recorded(snakemake) as log:
     fractions = load_fractions(Path(snakemake.input.fractions))
     found = find_persistence(fractions, name=snakemake.wildcards.model)
     log.info("%d plateaus, %d pairs", len(found.curves), len(found.diagram))
-    write_csv(Path(snakemake.output.pairs), found.diagram)
+    write_csv(Path(snakemake.output.diagram), found.diagram)
     write_csv(Path(snakemake.output.diagonal), found.diagonal)
-    write_csv(Path(snakemake.output.plateaus), found.curves)
+    write_csv(Path(snakemake.output.curves), found.curves)

@@ -16,7 +16,7 @@ from tusqh.sampling.layout import to_window
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
-    selection = json.loads(Path(snakemake.input.threshold).read_text())
+    selection = json.loads(Path(snakemake.input.selection).read_text())
     target = snakemake.params.wanted.get("target")
     name = snakemake.wildcards.model
     table = vary_placement(

@@ -13,8 +13,8 @@ from tusqh.tables import write_csv
 with recorded(snakemake) as log:
     choice = select(
         load_fractions(Path(snakemake.input.fractions)),
-        pd.read_csv(snakemake.input.plateaus),
-        pd.read_csv(snakemake.input.pairs),
+        pd.read_csv(snakemake.input.curves),
+        pd.read_csv(snakemake.input.diagram),
         policy=snakemake.params.policy,
         wanted=snakemake.params.wanted,
         name=snakemake.wildcards.model,
@@ -31,4 +31,4 @@ with recorded(snakemake) as log:
         log.info("the same topology with no feature dropped: %s", selection.without_features)
     write_csv(Path(snakemake.output.topologies), topologies)
     write_csv(Path(snakemake.output.candidates), choice.candidates)
-    write_text(Path(snakemake.output.threshold), canonical_json(asdict(selection)))
+    write_text(Path(snakemake.output.selection), canonical_json(asdict(selection)))

@@ -10,7 +10,7 @@ from tusqh.tables import write_csv
 from tusqh.threshold.select import Selection
 
 with recorded(snakemake) as log:
-    selection = Selection.from_dict(json.loads(Path(snakemake.input.threshold).read_text()))
+    selection = Selection.from_dict(json.loads(Path(snakemake.input.selection).read_text()))
     fractions = load_fractions(Path(snakemake.input.fractions))
     table = compare_suitability(
         CellSets(fractions, Policy.from_settings(selection.policy)),

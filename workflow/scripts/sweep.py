@@ -22,4 +22,4 @@ with recorded(snakemake) as log:
         row = verification_row(resolved.mesh, cells, grid=fractions.grid.label)
         log.info("threshold %s: %s", threshold, "holds" if row["holds"] else "FAILS")
         rows.append(row)
-    write_csv(Path(snakemake.output.rows), pd.DataFrame(rows))
+    write_csv(Path(snakemake.output.verification), pd.DataFrame(rows))

@@ -8,7 +8,7 @@ from tusqh.quality.rows import summary_row
 from tusqh.tables import write_csv, write_markdown
 
 with recorded(snakemake) as log:
-    kinds = ("facts", "verdicts", "masses", "defects")
+    kinds = ("facts", "verdicts", "amounts", "defects")
     files = zip(*(snakemake.input[kind] for kind in kinds), strict=True)
     summary = pd.DataFrame(
         summary_row(json.loads(Path(facts).read_text()), *map(pd.read_csv, tables))
