@@ -8,6 +8,7 @@ import numpy as np
 
 from tusqh.atomic import replacing
 from tusqh.errors import MeshError
+from tusqh.extras import require
 from tusqh.grid import FloatArray
 from tusqh.meshes.volume_mesh import KINDS, VolumeMesh
 
@@ -30,11 +31,13 @@ def write_vtu(
     cell_data
         Further values, one per element.
     """
-    grid = mesh.to_pyvista()
+    import meshio
+
+    out = mesh.to_meshio()
     for name, values in (cell_data or {}).items():
-        grid.cell_data[name] = values
+        out.cell_data[name] = [values]
     with replacing(path) as temporary:
-        grid.save(temporary, binary=True)
+        meshio.vtu.write(temporary, out, binary=True)
 
 
 def read_vtu(path: Path, *, name: str | None = None) -> VolumeMesh:
@@ -42,11 +45,12 @@ def read_vtu(path: Path, *, name: str | None = None) -> VolumeMesh:
 
     Raises
     ------
+    MissingExtraError
+        VTK is not installed; it comes with the extra `formats`.
     MeshError
         The file cannot be read or holds other elements.
     """
-    import pyvista
-
+    pyvista = require("pyvista", extra="formats")
     if not path.is_file():
         raise MeshError(
             "no such file",

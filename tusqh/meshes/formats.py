@@ -11,6 +11,7 @@ import numpy as np
 
 from tusqh.atomic import replacing, write_text
 from tusqh.errors import MeshError
+from tusqh.extras import require
 from tusqh.grid import IntArray
 from tusqh.meshes.boundary import SIDES, Boundary, find_boundary
 from tusqh.meshes.export import write_vtu
@@ -91,7 +92,8 @@ def _write_gmsh(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
 
 def _write_exodus(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
     import meshio
-    import netCDF4
+
+    netCDF4 = require("netCDF4", extra="formats")
 
     faces = _numbers(mesh.dim, boundary.local, _EXODUS_FACES)
     present = np.unique(boundary.attribute)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from tusqh.errors import MeshError, SimulationError
+from tusqh.extras import require
 from tusqh.meshes.checks import require_sound
 from tusqh.meshes.volume_mesh import VolumeMesh
 
@@ -44,7 +45,7 @@ def to_mfem(mesh: VolumeMesh) -> Any:
 
 def _from_arrays(mesh: VolumeMesh) -> Any:
     """Return the MFEM mesh that owns a copy of the arrays; MFEM makes the boundary itself."""
-    import mfem.ser as mfem
+    mfem = require("mfem.ser", extra="simulate")
 
     coordinates = np.zeros((len(mesh.points), 3))
     coordinates[:, : mesh.dim] = mesh.points

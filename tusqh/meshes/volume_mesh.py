@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tusqh.extras import require
 from tusqh.grid import FloatArray, IntArray
 
 #: What an element is, by the number in `VolumeMesh.kind`.
@@ -72,7 +73,7 @@ class VolumeMesh:
 
     def to_pyvista(self) -> Any:
         """Return the mesh as a `pyvista.UnstructuredGrid`, with `kind` and `grid_cell`."""
-        import pyvista
+        pyvista = require("pyvista", extra="formats")
 
         cell_type = pyvista.CellType.QUAD if self.dim == 2 else pyvista.CellType.HEXAHEDRON
         grid = pyvista.UnstructuredGrid({cell_type: self.cells}, self.points_in_space())
@@ -85,7 +86,7 @@ class VolumeMesh:
         import meshio
 
         cell_type = "quad" if self.dim == 2 else "hexahedron"
-        data = {"kind": [self.kind], "grid_cell": [self.grid_cell]}
+        data = {"kind": [self.kind.astype(np.int8)], "grid_cell": [self.grid_cell]}
         return meshio.Mesh(self.points_in_space(), [(cell_type, self.cells)], cell_data=data)
 
     def to_mfem(self) -> Any:

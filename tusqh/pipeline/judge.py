@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from tusqh.extras import MissingExtraError
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.quality.elements import element_metrics, summarise_metrics
 from tusqh.quality.verdict import judge_mesh, overall, to_table
@@ -19,7 +20,7 @@ class Judgement:
     Parameters
     ----------
     elements
-        Element metrics, summarised: one row per metric.
+        Element metrics, summarised: one row per metric; empty where VTK is not installed.
     verdict
         One row per check: `name`, `found`, `required`, `holds` (yes, no or not run).
     """
@@ -46,6 +47,9 @@ def judge(mesh: VolumeMesh, predicted: BettiNumbers) -> Judgement:
     predicted
         Betti numbers it must have.
     """
-    metrics = element_metrics(mesh)
+    try:
+        metrics = element_metrics(mesh)
+    except MissingExtraError:
+        metrics = None
     verdict = to_table(judge_mesh(mesh, predicted, metrics))
-    return Judgement(summarise_metrics(metrics), verdict)
+    return Judgement(summarise_metrics(pd.DataFrame() if metrics is None else metrics), verdict)

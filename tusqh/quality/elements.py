@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from tusqh.extras import require
 from tusqh.meshes.volume_mesh import VolumeMesh
 
 #: Our column names, VTK's names, and units, by dimension.
@@ -36,16 +37,19 @@ def element_metrics(mesh: VolumeMesh) -> pd.DataFrame:
     max_angle in degrees, area in model units squared.  In 3D: scaled_jacobian, edge_ratio and
     shape (1 for a cube), skew (0 for a cube), volume in model units cubed.
 
+    Raises
+    ------
+    MissingExtraError
+        VTK is not installed; it comes with the extra `verdict`.
+
     Examples
     --------
-    >>> import numpy as np
     >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
     >>> mesh = VolumeMesh.from_arrays(square, np.array([[0, 1, 2, 3]]))
     >>> element_metrics(mesh).round(6).iloc[0].tolist()
     [1.0, 1.0, 90.0, 90.0, 4.0]
     """
-    import pyvista
-
+    pyvista = require("pyvista", extra="verdict")
     points = np.zeros((len(mesh.points), 3))
     # Map coordinates are millions of metres; metrics do not change when the mesh is moved.
     points[:, : mesh.dim] = mesh.points - mesh.points[0]
@@ -71,4 +75,4 @@ def summarise_metrics(metrics: pd.DataFrame) -> pd.DataFrame:
         }
         for name, column in metrics.items()
     ]
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows, columns=["metric", "min", "p01", "median", "mean", "max", "unit"])

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tusqh.extras import require
 from tusqh.meshes.facets import find_facets
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.quality.system_libraries import SystemLibraryError, describe_missing
@@ -33,6 +34,8 @@ def surface_measures(mesh: VolumeMesh) -> SurfaceMeasures:
 
     Raises
     ------
+    MissingExtraError
+        pymeshlab is not installed; it comes with the extra `verdict`.
     SystemLibraryError
         pymeshlab cannot be loaded because a system library is missing; the message names the
         package to install.
@@ -42,8 +45,7 @@ def surface_measures(mesh: VolumeMesh) -> SurfaceMeasures:
     With a non-manifold vertex pymeshlab gives -1 boundary loops.
     """
     try:
-        import pymeshlab
-
+        pymeshlab = require("pymeshlab", extra="verdict")
         meshes = pymeshlab.MeshSet(verbose=False)
         quads = mesh.cells
         if mesh.dim == 3:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import pandas as pd
 
 from tusqh.errors import TusqhError
+from tusqh.extras import MissingExtraError
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.meshes.checks import Check, check_mesh
 from tusqh.meshes.jacobians import corner_jacobians, element_volumes, enclosed_volume
@@ -26,7 +27,7 @@ _ROUNDING = 1e-8
 
 
 def judge_mesh(
-    mesh: VolumeMesh, predicted: BettiNumbers, element_metrics: pd.DataFrame
+    mesh: VolumeMesh, predicted: BettiNumbers, element_metrics: pd.DataFrame | None
 ) -> list[Check]:
     """Return every check of a mesh, by our own count, VTK, pymeshlab and MFEM.
 
@@ -37,7 +38,8 @@ def judge_mesh(
     predicted
         Betti numbers it must have.
     element_metrics
-        VTK's metrics, see `tusqh.quality.elements.element_metrics`.
+        VTK's metrics, see `tusqh.quality.elements.element_metrics`;
+        None where VTK is not installed.
     """
     checks = check_mesh(mesh)
     if not all(check.holds for check in checks):
@@ -50,13 +52,9 @@ def judge_mesh(
             float(corner_jacobians(mesh.points, mesh.cells)[1].min()),
             SCALED_JACOBIAN[mesh.dim],
         ),
-        _at_least(
-            "smallest scaled Jacobian by VTK",
-            float(element_metrics["scaled_jacobian"].min(skipna=False)),
-            SCALED_JACOBIAN[mesh.dim],
-        ),
+        _vtk_jacobian(element_metrics, SCALED_JACOBIAN[mesh.dim]),
         _overlap(mesh),
-        _equal("zero modes of the stiffness matrix (MFEM)", *_zero_modes(mesh, predicted)),
+        _zero_modes(mesh, predicted),
     ]
     return checks + judge_surface(mesh, predicted)
 
@@ -80,10 +78,9 @@ def judge_surface(
     names = {key: f"{key.replace('_', ' ')} (pymeshlab)" for key in required}
     try:
         measures = measure(mesh)
-    except SystemLibraryError as reason:
+    except (MissingExtraError, SystemLibraryError) as reason:
         return [
-            Check(names[key], f"not run: {reason.found}", str(value), None)
-            for key, value in required.items()
+            Check(names[key], _not_run(reason), str(value), None) for key, value in required.items()
         ]
     return [_equal(names[key], getattr(measures, key), value) for key, value in required.items()]
 
@@ -114,11 +111,27 @@ def overall(checks: pd.DataFrame) -> str:
     return f"suitable ({n_missing} not run)" if n_missing else "suitable"
 
 
-def _zero_modes(mesh: VolumeMesh, predicted: BettiNumbers) -> tuple[object, int]:
+def _vtk_jacobian(metrics: pd.DataFrame | None, bound: float) -> Check:
+    name = "smallest scaled Jacobian by VTK"
+    if metrics is None:
+        return Check(name, "not run: VTK is not installed", f">= {bound:.6f}", None)
+    return _at_least(name, float(metrics["scaled_jacobian"].min(skipna=False)), bound)
+
+
+def _zero_modes(mesh: VolumeMesh, predicted: BettiNumbers) -> Check:
+    name = "zero modes of the stiffness matrix (MFEM)"
     try:
-        return count_zero_modes(mesh), predicted.betti_0
+        return _equal(name, count_zero_modes(mesh), predicted.betti_0)
+    except MissingExtraError as reason:
+        return Check(name, _not_run(reason), str(predicted.betti_0), None)
     except TusqhError as reason:
-        return f"rejected: {reason.found}", predicted.betti_0
+        return _equal(name, f"rejected: {reason.found}", predicted.betti_0)
+
+
+def _not_run(reason: TusqhError) -> str:
+    if isinstance(reason, MissingExtraError):
+        return f"not run: {reason.where} is not installed"
+    return f"not run: {reason.found}"
 
 
 def _overlap(mesh: VolumeMesh) -> Check:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from tusqh.extras import require
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.mfem_mesh import to_mfem
 from tusqh.meshes.volume_mesh import VolumeMesh
@@ -50,7 +51,7 @@ def assemble(mesh: VolumeMesh, *, refinements: int = 0, order: int = 1) -> Opera
     SimulationError
         The mesh is rejected, see `tusqh.meshes.mfem_mesh.to_mfem`.
     """
-    import mfem.ser as mfem
+    mfem = require("mfem.ser", extra="simulate")
 
     native = to_mfem(mesh)
     for _ in range(refinements):
@@ -75,7 +76,7 @@ def assemble(mesh: VolumeMesh, *, refinements: int = 0, order: int = 1) -> Opera
 
 def _nodes(native: Any, order: int, dim: int) -> FloatArray:
     """Return the positions of the degrees of freedom of elements of higher order."""
-    import mfem.ser as mfem
+    mfem = require("mfem.ser", extra="simulate")
 
     vector_space = mfem.FiniteElementSpace(
         native, mfem.H1_FECollection(order, dim), dim, mfem.Ordering.byVDIM

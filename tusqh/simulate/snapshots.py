@@ -8,6 +8,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from tusqh.atomic import replacing, write_text
+from tusqh.extras import require
 from tusqh.grid import FloatArray, IntArray
 from tusqh.simulate.diffusion import DiffusionResult
 
@@ -26,8 +27,7 @@ def write_snapshots(collection: Path, files: list[Path], result: DiffusionResult
     result
         The simulation.
     """
-    import pyvista
-
+    pyvista = require("pyvista", extra="simulate")
     dim = result.points.shape[1]
     points = np.zeros((len(result.points), 3))
     points[:, :dim] = result.points
@@ -52,8 +52,7 @@ def write_snapshots(collection: Path, files: list[Path], result: DiffusionResult
 
 def read_snapshot(path: Path) -> tuple[FloatArray, IntArray, FloatArray]:
     """Return points (n, dim), elements (m, 2**dim) and the field at the points of a snapshot."""
-    import pyvista
-
+    pyvista = require("pyvista", extra="simulate")
     grid = pyvista.read(path)
     dim = 2 if grid.celltypes[0] == _VTK_QUAD else 3
     cells = grid.cells.reshape(-1, 2**dim + 1)[:, 1:].astype(np.int64)
