@@ -22,7 +22,7 @@ def test_defaults_are_filled_in(repository, tmp_path):
     model = config["models"]["a"]
     assert model["threshold"] == 0.5
     assert model["grid"] == {"cells": 64}
-    assert model["simulation"] == {"amount": 1000, "diffusivity": 1, "refinements": 0}
+    assert model["simulation"] == {"amount": 1000, "refinements": 0}
     assert config["sweep"] == [0.9, 0.75, 0.5, 0.25, 0.15, 0.05, 0.01]
     assert model["bridges"] == "forest"
     assert model["components"] == model["holes"] == {}

@@ -75,7 +75,7 @@ def test_thresholds(fractions, outline):
 def test_contaminants(fractions):
     mesh = build_mesh(CellSets(fractions).at(0.5), fractions.grid).mesh
     fields = [10.0 ** -np.linspace(0, n, len(mesh.points)) for n in range(6)]
-    table = pd.DataFrame({"step": [0, 50, 100, 200, 400, 800], "time_s": np.arange(6) * 5.0})
+    table = pd.DataFrame({"time_s": np.arange(6) * 5.0, "concentration_unit": "kg/m^2"})
     check_words(draw_contaminant(mesh.points, mesh.cells, fields, table, name="plate", unit="mm"))
 
 

@@ -4,36 +4,16 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 import pytest
+from plain_meshes import two_islands, unit_square
 
 from tusqh.errors import SimulationError
-from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.simulate.components import count_matrix_components
 from tusqh.simulate.diffusion import lump, march, simulate_diffusion
 from tusqh.simulate.operators import assemble
+from tusqh.simulate.settings import Simulation
 from tusqh.simulate.snapshots import read_snapshot, write_snapshots
-from tusqh.simulate.zero_modes import count_zero_modes
 
 DIFFUSIVITY = 0.3
-
-
-def unit_square(n, wobble=0.0):
-    points = np.array([[x, y] for x in range(n + 1) for y in range(n + 1)], dtype=float) / n
-    inner = ((points > 0) & (points < 1)).all(axis=1)
-    rng = np.random.default_rng(n)
-    points[inner] += rng.uniform(-wobble / n, wobble / n, (int(inner.sum()), 2))
-    cells = np.array(
-        [[i * (n + 1) + j, (i + 1) * (n + 1) + j, (i + 1) * (n + 1) + j + 1, i * (n + 1) + j + 1]
-         for i in range(n) for j in range(n)]
-    )  # fmt: skip
-    return VolumeMesh.from_arrays(points, cells, name="unit square")
-
-
-def two_islands():
-    one = unit_square(4)
-    return VolumeMesh.from_arrays(
-        np.concatenate([one.points, one.points + np.array([2.0, 0.0])]),
-        np.concatenate([one.cells, one.cells + len(one.points)]),
-        name="islands",
-    )
 
 
 def error_at_end(n, n_steps, *, wobble=0.0, end=0.1):
@@ -77,19 +57,21 @@ def test_order_two_elements_have_the_same_mass_and_more_unknowns():
     assert energy == pytest.approx(1.0, rel=1e-12)
 
 
-def test_mass_stays_and_nothing_leaks_to_the_other_island():
-    result = simulate_diffusion(two_islands(), source=(0.5, 0.5), radius=1.0, refinements=1)
-    assert result.table["mass_relative_error"].abs().max() <= 1e-12
+def test_the_amount_stays_and_nothing_leaks_to_the_other_island():
+    result = simulate_diffusion(
+        two_islands(), Simulation(source=(0.5, 0.5), radius=1.0, refinements=1)
+    )
+    assert result.table["amount_relative_error"].abs().max() <= 1e-12
     assert (result.fields[:, result.points[:, 0] > 1.5] == 0).all()
     assert result.table["undershoot"].max() == 0
     # After a long time the concentration is even.
     assert result.table["step"].tolist() == [0, 50, 100, 200, 400, 800]
-    even = simulate_diffusion(two_islands(), source=(0.5, 0.5), time_step=1.0).fields[-1]
+    even = simulate_diffusion(two_islands(), Simulation((0.5, 0.5), time_step=1.0)).fields[-1]
     assert even.max() == pytest.approx(1000.0, rel=1e-6)
 
 
 def test_snapshots_are_files_that_paraview_plays(tmp_path):
-    result = simulate_diffusion(unit_square(4), steps=(0, 2, 4), time_step=0.5)
+    result = simulate_diffusion(unit_square(4), Simulation(time_step=0.5), steps=(0, 2, 4))
     files = [tmp_path / f"c_{k}.vtu" for k in range(3)]
     write_snapshots(tmp_path / "c.pvd", files, result)
     entries = ElementTree.parse(tmp_path / "c.pvd").findall("./Collection/DataSet")
@@ -107,16 +89,16 @@ def test_the_same_bits_every_time():
     assert np.array_equal(first, second)
 
 
-def test_zero_modes_are_components():
-    assert count_zero_modes(unit_square(3)) == 1
-    assert count_zero_modes(two_islands()) == 2
+def test_the_matrix_has_the_components_of_the_mesh():
+    assert count_matrix_components(unit_square(3)) == 1
+    assert count_matrix_components(two_islands()) == 2
     eigenvalues = np.linalg.eigvalsh(assemble(two_islands()).stiffness.toarray())
     assert (np.abs(eigenvalues) < 1e-12).sum() == 2
 
 
 def test_a_source_outside_names_model_and_nearest_point():
     with pytest.raises(SimulationError, match=r"source \[1.5, 0.5\] of model 'islands'") as caught:
-        simulate_diffusion(two_islands(), source=(1.5, 0.5))
+        simulate_diffusion(two_islands(), Simulation(source=(1.5, 0.5)))
     assert "nearest point is [" in caught.value.expected
 
 
@@ -127,10 +109,14 @@ def test_a_source_outside_names_model_and_nearest_point():
         {"diffusivity": -1.0},
         {"time_step": float("nan")},
         {"amount": 0.0},
-        {"steps": (5, 3)},
-        {"steps": (-1, 3)},
     ],
 )
 def test_numbers_out_of_range(numbers):
     with pytest.raises(SimulationError, match="out of range for model 'unit square'"):
-        simulate_diffusion(unit_square(2), **numbers)
+        simulate_diffusion(unit_square(2), Simulation(**numbers))
+
+
+@pytest.mark.parametrize("steps", [(5, 3), (-1, 3), ()])
+def test_steps_out_of_range(steps):
+    with pytest.raises(SimulationError, match="out of range for model 'unit square'"):
+        simulate_diffusion(unit_square(2), steps=steps)

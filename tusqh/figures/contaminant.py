@@ -26,7 +26,7 @@ def draw_contaminant(
     name: str,
     unit: str,
 ) -> Figure:
-    """Return one panel per snapshot, on one logarithmic colour scale.
+    """Draw one panel per snapshot, on one logarithmic colour scale.
 
     Parameters
     ----------
@@ -35,9 +35,9 @@ def draw_contaminant(
     cells
         Quads, shape (m, 4).
     fields
-        Concentration at the points for each snapshot, shape (n,), kg/m^2.
+        Concentration at the points for each snapshot, shape (n,).
     table
-        One row per snapshot with the columns step and time_s.
+        One row per snapshot with the columns time_s and concentration_unit.
     name
         The model, for the title.
     unit
@@ -56,7 +56,8 @@ def draw_contaminant(
     smallest = largest * 10.0**-_DECADES
     norm = LogNorm(smallest, largest)
     images = []
-    for panel, field, row in zip(axes.ravel(), fields, table.itertuples(), strict=True):
+    times = table["time_s"].tolist()
+    for panel, field, seconds in zip(axes.ravel(), fields, times, strict=True):
         shown = np.maximum(field, smallest)
         image = panel.tripcolor(
             *points.T, triangles, shown, norm=norm, shading="gouraud", cmap="viridis"
@@ -64,20 +65,8 @@ def draw_contaminant(
         images.append(image)
         style.frame(panel, lower, upper, unit)
         panel.xaxis.set_major_locator(MaxNLocator(4))
-        panel.set_title(f"step {row.step}: {_duration(float(str(row.time_s)))}")
+        panel.set_title(style.duration(seconds))
     bar = figure.colorbar(images[0], ax=axes, shrink=0.6, extend="min")
-    bar.set_label("concentration [kg/m$^2$]")
+    bar.set_label(f"concentration [{style.unit_text(table['concentration_unit'].iloc[0])}]")
     figure.suptitle(f"{name}: diffusion of a contaminant, no flux through the boundary")
     return figure
-
-
-def _duration(seconds: float) -> str:
-    """Return a time in the unit that people would use.
-
-    >>> _duration(172800.0), _duration(30.0)
-    ('2 d', '30 s')
-    """
-    for size, unit in ((86400.0, "d"), (3600.0, "h")):
-        if seconds >= 2 * size or (seconds >= size and seconds % size == 0):
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds:.3g} s"

@@ -70,6 +70,32 @@ def length_scale(extent: float, unit: str) -> tuple[float, str]:
     return (1000.0, "km") if unit == "m" and extent >= 10_000 else (1.0, unit)
 
 
+def duration(seconds: float) -> str:
+    """Return a time in the unit that people would use.
+
+    >>> duration(172800.0), duration(7200.0), duration(30.0), duration(0.0), duration(2.5e-4)
+    ('2 d', '2 h', '30 s', '0 s', '0.25 ms')
+    """
+    for size, unit in ((86400.0, "d"), (3600.0, "h")):
+        if seconds >= 2 * size or (seconds >= size and seconds % size == 0):
+            return f"{seconds / size:.3g} {unit}"
+    if 0 < seconds < 1e-4:
+        return f"{1e6 * seconds:.3g} µs"
+    if 0 < seconds < 0.1:
+        return f"{1e3 * seconds:.3g} ms"
+    return f"{seconds:.3g} s"
+
+
+def unit_text(unit: str) -> str:
+    """Return a unit of the tables with its exponent raised.
+
+    >>> unit_text("J/m^3"), unit_text("s")
+    ('J/m$^3$', 's')
+    """
+    base, caret, exponent = unit.partition("^")
+    return f"{base}$^{exponent}$" if caret else base
+
+
 def is_wide(lower: Any, upper: Any) -> bool:
     """Return whether a box is so wide and flat that its panels belong below one another.
 

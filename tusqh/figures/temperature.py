@@ -26,7 +26,7 @@ def draw_temperature(
     *,
     name: str,
 ) -> Figure:
-    """Return one panel per snapshot, on one logarithmic colour scale.
+    """Draw one panel per snapshot, on one logarithmic colour scale.
 
     Parameters
     ----------
@@ -35,9 +35,9 @@ def draw_temperature(
     cells
         Hexes, shape (m, 8).
     fields
-        Density of heat at the points for each snapshot, shape (n,), J/m^3.
+        Density of heat at the points for each snapshot, shape (n,).
     table
-        One row per snapshot with the columns step and time_s.
+        One row per snapshot with the columns time_s and concentration_unit.
     name
         The model, for the title.
     """
@@ -47,13 +47,15 @@ def draw_temperature(
     norm = LogNorm(smallest, largest)
     origin = points[int(fields[0].argmax())]
     box = (points.min(axis=0), points.max(axis=0))
-    for panel, field, row in zip(axes.ravel(), fields, table.itertuples(), strict=True):
+    times = table["time_s"].tolist()
+    for panel, field, seconds in zip(axes.ravel(), fields, times, strict=True):
         surface = field_on(points, cells, np.log10(np.clip(field, smallest, largest)), origin)
         limits = [np.log10(smallest), np.log10(largest)]
         picture = render(surface, box, scalars="field", clim=limits, cmap="inferno", lighting=False)
-        show(panel, picture, f"step {row.step}: {float(str(row.time_s)):.3g} s")
+        show(panel, picture, style.duration(seconds))
     mappable = ScalarMappable(norm=norm, cmap="inferno")
     bar = figure.colorbar(mappable, ax=axes, shrink=0.6, extend="min")
-    bar.set_label("density of heat [J/m$^3$]: temperature times heat capacity")
+    unit = style.unit_text(table["concentration_unit"].iloc[0])
+    bar.set_label(f"density of heat [{unit}]: temperature times volumetric heat capacity")
     figure.suptitle(f"{name}: heat from a hot spot, no flux through the boundary (cut open)")
     return figure

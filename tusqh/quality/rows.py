@@ -108,6 +108,6 @@ def summary_row(
         "volume_over_winding": mesh_facts["volume"] / mesh_facts["winding_volume"],
         "winding_over_exact": winding_over_exact,
         "min_scaled_jacobian": float(found.get("smallest scaled Jacobian", "nan")),
-        "mass_relative_error": float(mass["mass_relative_error"].abs().max()),
+        "amount_relative_error": float(mass["amount_relative_error"].abs().max()),
         "verdict": overall(verdict),
     }

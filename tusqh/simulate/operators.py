@@ -22,7 +22,7 @@ class Operators:
     mass, stiffness
         Sparse matrices of the forms (u, v) and (grad u, grad v), shape (n_dofs, n_dofs).
     nodes
-        Where the degrees of freedom are, shape (n_dofs, dim).
+        Positions of the degrees of freedom, shape (n_dofs, dim).
     points, cells
         The mesh after refinement; at order 1 the points are the nodes.
     """
@@ -32,6 +32,23 @@ class Operators:
     nodes: FloatArray
     points: FloatArray
     cells: IntArray
+
+    def scaled(self, factor: float) -> Operators:
+        """Return the operators of the mesh in another unit of length.
+
+        Parameters
+        ----------
+        factor
+            A length times this factor is the length in the other unit.
+        """
+        dim = self.nodes.shape[1]
+        return Operators(
+            mass=self.mass * factor**dim,
+            stiffness=self.stiffness * factor ** (dim - 2),
+            nodes=self.nodes * factor,
+            points=self.points * factor,
+            cells=self.cells,
+        )
 
 
 def assemble(mesh: VolumeMesh, *, refinements: int = 0, order: int = 1) -> Operators:

@@ -51,7 +51,22 @@ def write_snapshots(collection: Path, files: list[Path], result: DiffusionResult
 
 
 def read_snapshot(path: Path) -> tuple[FloatArray, IntArray, FloatArray]:
-    """Return points (n, dim), elements (m, 2**dim) and the field at the points of a snapshot."""
+    """Read a snapshot that `write_snapshots` wrote.
+
+    Parameters
+    ----------
+    path
+        The VTU file.
+
+    Returns
+    -------
+    points : numpy.ndarray
+        Coordinates, shape (n, dim), in the model's unit.
+    cells : numpy.ndarray
+        Corners of the elements, shape (m, 2**dim).
+    field : numpy.ndarray
+        The field at the points, shape (n,).
+    """
     pyvista = require("pyvista", extra="simulate")
     grid = pyvista.read(path)
     dim = 2 if grid.celltypes[0] == _VTK_QUAD else 3

@@ -9,7 +9,7 @@ rule simulate:
         record_how="results/provenance/{model}/simulate.how.json",
     params:
         code=code_of("simulate"),
-        release=of_model("simulation"),
+        model=of_model("simulation", "unit"),
         steps=SNAPSHOTS,
     log:
         "results/{model}/logs/simulate.log",

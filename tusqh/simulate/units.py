@@ -1,0 +1,69 @@
+"""Units of length and the units of simulated quantities.
+
+Geometry is in the unit that its model declares; a simulation is in SI units.  A unit that is not
+listed here has no known size, so such a model is simulated and labelled in its own unit.
+"""
+
+from __future__ import annotations
+
+#: Metres in one unit of length.
+METRES = {
+    "nm": 1e-9,
+    "um": 1e-6,
+    "µm": 1e-6,
+    "mm": 1e-3,
+    "cm": 1e-2,
+    "dm": 1e-1,
+    "m": 1.0,
+    "km": 1e3,
+    "in": 0.0254,
+    "ft": 0.3048,
+}
+
+
+def simulated_length(unit: str) -> tuple[float, str]:
+    """Return the factor from a model's unit to the simulation's unit, and that unit.
+
+    Parameters
+    ----------
+    unit
+        The model's unit of length.
+
+    Returns
+    -------
+    factor : float
+        A length in the model's unit times this factor is a length in the simulation's unit.
+    simulated : str
+        ``"m"`` where the size of the model's unit is known, the model's unit otherwise.
+
+    Examples
+    --------
+    >>> simulated_length("mm"), simulated_length("px")
+    ((0.001, 'm'), (1.0, 'px'))
+    """
+    if unit in METRES:
+        return METRES[unit], "m"
+    return 1.0, unit
+
+
+def amount_unit(dim: int) -> str:
+    """Return the unit of the released amount: kg of a contaminant in 2D, J of heat in 3D."""
+    return "kg" if dim == 2 else "J"
+
+
+def concentration_unit(dim: int, unit: str) -> str:
+    """Return the unit of the simulated field for a model in a unit of length.
+
+    Parameters
+    ----------
+    dim
+        Dimension of the mesh, 2 or 3.
+    unit
+        The model's unit of length.
+
+    Examples
+    --------
+    >>> concentration_unit(2, "mm"), concentration_unit(3, "km"), concentration_unit(3, "px")
+    ('kg/m^2', 'J/m^3', 'J/px^3')
+    """
+    return f"{amount_unit(dim)}/{simulated_length(unit)[1]}^{dim}"
