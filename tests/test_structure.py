@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tomllib
 from importlib.metadata import metadata
+from itertools import chain
 
 import pytest
 import yaml
@@ -46,6 +47,11 @@ def test_modules_import_only_from_layers_above(repository):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("tusqh."):
                 layer = node.module.split(".")[1]
                 assert LAYERS.index(layer) <= own, f"{path.name} imports {node.module}"
+
+
+def python_files(repository, *folders):
+    """Return the Python files in some folders of the repository."""
+    return sorted(path for folder in folders for path in (repository / folder).rglob("*.py"))
 
 
 def compiled_functions(tree, *, cached=False):
@@ -95,13 +101,44 @@ def locked_versions(repository):
     return {name.lower().replace("_", "-"): Version(version) for name, version in pairs}
 
 
-def test_the_lock_satisfies_the_project_file(repository):
+def declared_requirements(repository, *, extras=None):
+    """Return what pyproject.toml requires: the core, and some of the extras (by default all)."""
     project = tomllib.loads((repository / "pyproject.toml").read_text())["project"]
+    optional = project["optional-dependencies"]
+    lines = [
+        *project["dependencies"],
+        *chain.from_iterable(optional[e] for e in extras or optional),
+    ]
+    return [r for r in map(Requirement, lines) if r.name != "tusqh"]
+
+
+def test_the_lock_satisfies_the_project_file(repository):
     locked = locked_versions(repository)
-    declared = [*project["dependencies"], *project["optional-dependencies"]["test"]]
-    for requirement in map(Requirement, declared):
+    for requirement in declared_requirements(repository):
         name = requirement.name.lower().replace("_", "-")
         assert locked[name] in requirement.specifier, name
+
+
+def test_the_extra_all_has_every_extra_of_the_library(repository):
+    project = tomllib.loads((repository / "pyproject.toml").read_text())["project"]
+    (everything,) = project["optional-dependencies"]["all"]
+    others = {"all", "test", "docs", "data", "peers"}
+    assert Requirement(everything).extras == set(project["optional-dependencies"]) - others
+
+
+def test_errors_name_an_extra_that_has_the_library(repository):
+    project = tomllib.loads((repository / "pyproject.toml").read_text())["project"]
+    distribution = {"mfem.ser": "mfem", "nrrd": "pynrrd", "shapefile": "pyshp", "igl": "libigl"}
+    distribution |= {"yaml": "pyyaml", "PIL": "pillow", "rocrate.rocrate": "rocrate"}
+    calls = []
+    for path in python_files(repository, "tusqh"):
+        found = re.findall(r'require\(\s*"([\w.]+)", extra="(\w+)"', path.read_text())
+        calls += [pair for pair in found if path.name != "extras.py"]
+    assert len(calls) > 5
+    for module, extra in calls:
+        library = distribution.get(module, module.partition(".")[0])
+        listed = map(Requirement, project["optional-dependencies"][extra])
+        assert library in {r.name for r in listed}, f"{module} is not in the extra {extra}"
 
 
 def test_the_lock_installs_with_the_oldest_python(repository):
@@ -114,8 +151,9 @@ def test_the_lock_installs_with_the_oldest_python(repository):
 
 def test_the_conda_environment_says_the_same_as_the_project_file(repository):
     project = tomllib.loads((repository / "pyproject.toml").read_text())["project"]
-    declared = [*project["dependencies"], *project["optional-dependencies"]["test"]]
-    expected = {Requirement(d).name.lower(): str(Requirement(d).specifier) for d in declared}
+    extras = set(project["optional-dependencies"]) - {"docs", "data", "peers"}
+    declared = declared_requirements(repository, extras=extras)
+    expected = {r.name.lower(): r.specifier for r in declared}
     names = {"matplotlib-base": "matplotlib", "snakemake-minimal": "snakemake"}
     listed = {}
     environment = yaml.safe_load((repository / "environment.yml").read_text())
@@ -123,13 +161,13 @@ def test_the_conda_environment_says_the_same_as_the_project_file(repository):
     entries += next(e["pip"] for e in environment["dependencies"] if isinstance(e, dict))
     for entry in entries:
         name, specifier = re.match(r"([\w.-]+)(.*)", entry).groups()
-        listed[names.get(name, name)] = specifier
-    assert listed.pop("python") == project["requires-python"]
+        listed[names.get(name, name)] = SpecifierSet(specifier)
+    assert listed.pop("python") == SpecifierSet(project["requires-python"])
     listed.pop("pip")
     assert listed == expected
     locked = locked_versions(repository)
     for name, specifier in listed.items():
-        assert locked[name] in Requirement(name + specifier).specifier
+        assert locked[name] in specifier
 
 
 def test_the_register_knows_every_models_file(repository):
