@@ -1,0 +1,85 @@
+"""Check the docstrings of public names: `python -m tests.docstrings tusqh/grid.py ...`.
+
+numpydoc compares *Parameters* with the signature.  Two house rules are added: a docstring whose
+first line says what is returned needs *Returns* only for a tuple, and a function that raises an
+error of tusqh by itself has *Raises*.
+"""
+
+import ast
+import sys
+from pathlib import Path
+
+from numpydoc.docscrape import NumpyDocString
+from numpydoc.hooks.validate_docstrings import DocstringVisitor
+
+CHECKS = {"PR01", "PR02", "PR03", "PR07", "RT01", "RT03"}
+CONFIG = {"checks": CHECKS, "exclude": None, "exclude_files": None, "overrides": {}}
+
+
+class PublicDocstrings(DocstringVisitor):
+    """numpydoc's checks without those of private and nested names."""
+
+    def _ignore_issue(self, node, check):
+        if is_hidden(self.stack):
+            return True
+        # numpydoc does not see the fields of a dataclass.
+        if isinstance(node, ast.ClassDef) and check in {"PR01", "PR02"}:
+            return True
+        if check == "RT01" and says_what_it_returns(node):
+            return True
+        return super()._ignore_issue(node, check)
+
+
+def is_hidden(stack):
+    """Return whether a node is private, in something private, or inside a function."""
+    inside_function = any(isinstance(n, ast.FunctionDef) for n in stack[:-1])
+    return inside_function or any(getattr(n, "name", "").startswith("_") for n in stack)
+
+
+def says_what_it_returns(node):
+    """Return whether the first line of a docstring is enough to describe the result."""
+    summary = (ast.get_docstring(node) or "").split(maxsplit=1)[:1]
+    returns_tuple = ast.unparse(node.returns or ast.Constant(None)).startswith("tuple")
+    is_property = any("property" in ast.unparse(d) for d in node.decorator_list)
+    return is_property or (summary in (["Return"], ["Whether"], ["Yield"]) and not returns_tuple)
+
+
+def without_raises(path):
+    """Return the public functions that raise an error without a section *Raises*."""
+    faults = []
+
+    def visit(node, stack):
+        stack = [*stack, node]
+        if isinstance(node, ast.FunctionDef) and not is_hidden(stack):
+            raised = {
+                n.exc.func.id
+                for n in ast.walk(node)
+                if isinstance(n, ast.Raise)
+                and isinstance(n.exc, ast.Call)
+                and isinstance(n.exc.func, ast.Name)
+                and n.exc.func.id.endswith("Error")
+            }
+            sections = NumpyDocString(ast.get_docstring(node) or "")
+            if raised and not sections["Raises"]:
+                named = ", ".join(sorted(raised))
+                faults.append(f"{path}:{node.lineno}: {node.name} raises {named}, not documented")
+        for child in ast.iter_child_nodes(node):
+            if isinstance(child, ast.ClassDef | ast.FunctionDef):
+                visit(child, stack)
+
+    visit(ast.parse(Path(path).read_text()), [])
+    return faults
+
+
+def find_faults(path):
+    """Return a line for every fault in the public docstrings of a file."""
+    visitor = PublicDocstrings(str(path), CONFIG)
+    visitor.visit(ast.parse(Path(path).read_text(), str(path)))
+    found = [f"{line}: {name}: {code} {text}" for line, name, code, text in visitor.findings]
+    return found + without_raises(path)
+
+
+if __name__ == "__main__":
+    lines = [line for path in sys.argv[1:] for line in find_faults(path)]
+    print("\n".join(lines))
+    sys.exit(bool(lines))
