@@ -15,10 +15,10 @@ from studies.examples import GEOMETRY, mesh_example, mesh_rows, shape_rows
 from studies.gap_patch import RULES, measure_widths
 from studies.polygon_areas import Polygon, exact_fractions
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Criteria, Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.grid import BackgroundGrid
 from tusqh.meshes.betti import betti_by_euler
+from tusqh.settings.policy import Criteria, Policy
 
 #: The paper's three gaps along the axes: below half a cell, between, and above a cell.
 GAP_WIDTHS = (0.4, 0.75, 1.2)

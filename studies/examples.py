@@ -16,13 +16,13 @@ from studies.raw_cells import closed_betti
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.clusters import CONNECT
 from tusqh.antialias.pinches import find_pinches
-from tusqh.antialias.policy import Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.grid import QUAD_CORNERS, BackgroundGrid, BoolArray, FloatArray
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.meshes.checks import check_mesh
 from tusqh.meshes.volume_mesh import KINDS, VolumeMesh
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.settings.policy import Policy
 from tusqh.topology.betti_numbers import BettiNumbers
 
 SHAPE_COLUMNS = ["panel", "shape", *(f"{axis}{k}" for k in range(4) for axis in "xy")]

@@ -21,11 +21,11 @@ from studies.gap import fraction_in_gap, sample_distances
 from studies.gap_patch import RULES, measure_widths
 from studies.theorem import crossing_widths, method_name, normals_of
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.grid import BackgroundGrid, FloatArray
 from tusqh.meshes.betti import betti_by_euler
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.settings.policy import Policy
 
 _ROWS = 7
 

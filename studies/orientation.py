@@ -12,9 +12,9 @@ from studies.placements import lay_grids, random_placements
 from studies.raw_cells import closed_betti
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.pinches import find_pinches
-from tusqh.antialias.policy import MixedPinches, Policy
 from tusqh.grid import BoolArray, FloatArray
 from tusqh.sampling.field import Geometry
+from tusqh.settings.policy import MixedPinches, Policy
 from tusqh.threshold.goals import Target, matches
 from tusqh.topology.betti_numbers import BettiNumbers
 from tusqh.topology.effective import effective_betti
@@ -117,7 +117,7 @@ def _predict(
 def keeps_all(policy: Policy) -> bool:
     """Return whether a policy removes and fills nothing.
 
-    >>> some = Policy.from_settings({"components": {"min_cells": 2}})
+    >>> some = Policy.from_dict({"components": {"min_cells": 2}})
     >>> keeps_all(Policy()), keeps_all(some)
     (True, False)
     """

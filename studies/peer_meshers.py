@@ -86,11 +86,11 @@ def mesh_by_trimesh(given: Arrays) -> Solid:
 def mesh_by_tusqh(given: Arrays) -> Solid:
     """Return our hexes at the threshold that was chosen before; sampled here, for the time."""
     from tusqh.antialias.cells import CellSets
-    from tusqh.antialias.policy import Criteria, Policy
     from tusqh.antialias.resolve import build_mesh
     from tusqh.geometry.soup import Soup
     from tusqh.grid import BackgroundGrid
     from tusqh.sampling.fractions import Rule, sample_fractions
+    from tusqh.settings.policy import Criteria, Policy
 
     soup = Soup(given["points"], given["triangles"], np.zeros(len(given["triangles"]), np.int64))
     grid = BackgroundGrid(

@@ -16,9 +16,9 @@ import pandas as pd
 import tusqh
 from studies.peer_meshers import NOT_INSTALLED
 from studies.solids import describe_solid, measure_fit
-from tusqh.antialias.policy import Policy
 from tusqh.geometry.soup import Soup
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.settings.policy import Policy
 
 FINISHED, MISSING = "finished", "not installed"
 

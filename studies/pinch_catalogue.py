@@ -24,11 +24,11 @@ from studies.raw_cells import raw_mesh
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.clusters import CONNECT, SEPARATE, Decisions, decide_by_vote
 from tusqh.antialias.pinches import find_pinch_edges, find_pinches, pinch_table
-from tusqh.antialias.policy import MixedPinches
 from tusqh.antialias.resolve import build_mesh, resolve
 from tusqh.grid import BackgroundGrid, BoolArray
 from tusqh.meshes.jacobians import corner_jacobians
 from tusqh.meshes.volume_mesh import KINDS, VolumeMesh
+from tusqh.settings.policy import MixedPinches
 from tusqh.topology.betti_numbers import BettiNumbers
 from tusqh.topology.effective import effective_betti
 

@@ -9,7 +9,6 @@ from fields import random_fractions
 from typer.testing import CliRunner
 
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Criteria, Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.certificate import FILE_NAME, check_certificate, make_certificate, schema
 from tusqh.cli.app import app
@@ -18,6 +17,7 @@ from tusqh.hashing import canonical_json
 from tusqh.meshes.export import read_vtu, write_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.sampling.io import save_fractions
+from tusqh.settings.policy import Criteria, Policy
 from tusqh.threshold.plateaus import predict_plateaus
 from tusqh.threshold.select import choose_threshold
 from tusqh.topology.curves import betti_curves

@@ -12,7 +12,6 @@ import pandas as pd
 
 from tusqh import __version__
 from tusqh.antialias.cells import CellSet, CellSets
-from tusqh.antialias.policy import Policy
 from tusqh.errors import MeshError
 from tusqh.hashing import hash_file
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
@@ -20,6 +19,7 @@ from tusqh.meshes.checks import Check, check_mesh
 from tusqh.meshes.export import read_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.sampling.io import load_fractions
+from tusqh.settings.policy import Policy
 from tusqh.threshold.select import Selection
 from tusqh.topology.betti_numbers import BettiNumbers
 from tusqh.topology.curves import betti_curves
@@ -147,7 +147,7 @@ def check_certificate(path: Path, mesh_file: Path, mesh: VolumeMesh) -> list[Che
         return checks
     fractions = load_fractions(fractions_file)
     threshold = claim["selection"]["threshold"]
-    policy = Policy.from_settings(claim["selection"]["policy"])
+    policy = Policy.from_dict(claim["selection"]["policy"])
     raw = betti_at(betti_curves(fractions.values), threshold)
     effective = CellSets(fractions, policy).at(threshold).predicted
     digest = claim["fractions"]["sha256"]

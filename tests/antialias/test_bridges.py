@@ -7,7 +7,6 @@ from oracles import betti_by_rank
 from tusqh.antialias import resolve as resolve_module
 from tusqh.antialias.bridges import ACCEPTED, NO_ROOM, REJECTED
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Criteria, Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.geometry.read import read_outline
 from tusqh.grid import BackgroundGrid
@@ -17,6 +16,7 @@ from tusqh.meshes.jacobians import corner_jacobians, element_volumes
 from tusqh.meshes.volume_mesh import BRIDGE
 from tusqh.sampling.fractions import VolumeFractions, sample_fractions
 from tusqh.sampling.layout import lay_grid
+from tusqh.settings.policy import Criteria, Policy
 
 
 def field(kept, interior):

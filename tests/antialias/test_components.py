@@ -3,11 +3,11 @@ import pytest
 from fields import make_fractions, random_fractions
 
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Criteria, Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.errors import TopologyError
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.meshes.checks import check_mesh
+from tusqh.settings.policy import Criteria, Policy
 
 
 def cells_at(fractions, threshold, **criteria):

@@ -4,7 +4,6 @@ import numpy as np
 import pandas as pd
 
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.explorer.command import mesh_command
 from tusqh.explorer.subject import Subject
@@ -13,6 +12,7 @@ from tusqh.geometry.soup import Soup
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.settings.policy import Policy
 from tusqh.threshold.plateaus import predict_plateaus
 from tusqh.threshold.select import choose_threshold
 from tusqh.topology.curves import betti_curves
@@ -42,7 +42,7 @@ def box_of(grid):
 def make_subject(fractions, policy=None, *, name="noise", threshold=0.5):
     """Return everything about a field that its explorer shows."""
     settings = policy or {}
-    cell_sets = CellSets(fractions, Policy.from_settings(settings))
+    cell_sets = CellSets(fractions, Policy.from_dict(settings))
     curves = betti_curves(fractions.values)
     topologies = predict_plateaus(cell_sets, curves)
     selection, _ = choose_threshold(cell_sets, topologies, threshold=threshold, name=name)

@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 from subjects import box_of, keys_of, make_subject, noise
 
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Policy
 from tusqh.explorer import arrays
 from tusqh.geometry.image import Image
 from tusqh.meshes.boundary import find_boundary
+from tusqh.settings.policy import Policy
 from tusqh.topology.merge_tree import TOP
 
 POLICIES = {
@@ -27,7 +27,7 @@ def subject(request):
 
 
 def sets_of(subject):
-    return CellSets(subject.fractions, Policy.from_settings(subject.selection.policy))
+    return CellSets(subject.fractions, Policy.from_dict(subject.selection.policy))
 
 
 @given(st.integers(0, 2**32 - 1), st.sampled_from([2, 3]), st.floats(1e-6, 1.0))

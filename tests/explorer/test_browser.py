@@ -10,11 +10,11 @@ from playwright.sync_api import sync_playwright
 from subjects import keys_of, make_subject, noise
 
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Policy
 from tusqh.explorer.page import make_page
 from tusqh.geometry.image import Image
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.settings.policy import Policy
 from tusqh.topology.persistence import count_alive
 
 #: These make WebGL work without a graphics card, and keep the browser from calling home.
@@ -134,7 +134,7 @@ def drawn_codes(opened):
 
 
 def test_the_view_shows_the_boundary_of_the_kept_cells_at_random_thresholds(opened, subject):
-    sets = CellSets(subject.fractions, Policy.from_settings(subject.selection.policy))
+    sets = CellSets(subject.fractions, Policy.from_dict(subject.selection.policy))
     rng = np.random.default_rng(5)
     for threshold in rng.uniform(0.001, 1.0, 25):
         opened.evaluate("t => explorer.setThreshold(t)", threshold)
@@ -153,7 +153,7 @@ def test_a_cut_shows_the_boundary_of_the_layers_that_are_left(opened, subject, a
         return
     page.select_option("#cut-axis", str(axis))
     page.fill("#cut-at", str(at))
-    sets = CellSets(subject.fractions, Policy.from_settings(subject.selection.policy))
+    sets = CellSets(subject.fractions, Policy.from_dict(subject.selection.policy))
     n = subject.fractions.grid.shape[axis]
     ranges = (axis, n - at, n) if axis == 1 else (axis, 0, at)
     for threshold in (0.9, 0.5, 0.1):
@@ -324,7 +324,7 @@ def test_only_faces_in_sight_are_drawn_and_all_of_them(opened, subject):
     if subject.fractions.grid.dim == 2:
         assert opened.evaluate("explorer.stage.facing") == [5]
         return
-    kept = CellSets(subject.fractions, Policy.from_settings(subject.selection.policy)).at(0.5).kept
+    kept = CellSets(subject.fractions, Policy.from_dict(subject.selection.policy)).at(0.5).kept
     expected = boundary_codes(kept)
     opened.evaluate("explorer.setThreshold(0.5)")
     for _ in range(6):

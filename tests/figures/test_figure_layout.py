@@ -8,7 +8,6 @@ import pytest
 from matplotlib import pyplot as plt
 
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.figures.antialias import draw_antialias
 from tusqh.figures.contaminant import draw_contaminant
@@ -17,6 +16,7 @@ from tusqh.figures.thresholds import draw_thresholds
 from tusqh.geometry.outline import Outline
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.settings.policy import Policy
 
 SHAPES = {"wide": (80, 22), "very wide": (120, 12), "square": (20, 20), "high": (20, 26)}
 
@@ -82,7 +82,7 @@ def test_contaminants(fractions):
 def test_pinches_are_those_of_the_tables(fractions):
     """Neither those of components that are gone nor those of holes that are filled."""
     policy = {"components": {"min_cells": 5}, "holes": {"min_cells": 3}}
-    cells = CellSets(fractions, Policy.from_settings(policy)).at(0.5)
+    cells = CellSets(fractions, Policy.from_dict(policy)).at(0.5)
     assert len(cells.dropped)
     built = build_mesh(cells, fractions.grid, name="plate")
     figure = draw_antialias(fractions, built.mesh, threshold=0.5, unit="mm")

@@ -14,12 +14,12 @@ from studies.gap_meshes import compare_with_meshes, gap_fractions
 from studies.gap_patch import RULES, measure_widths
 from studies.theorem import normals_of
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.geometry.outline import Outline
 from tusqh.grid import BackgroundGrid
 from tusqh.meshes.betti import betti_by_euler
 from tusqh.sampling.fractions import sample_fractions
+from tusqh.settings.policy import Policy
 
 EXACT = np.empty(0)
 

@@ -20,11 +20,11 @@ from studies.orientation import (
 )
 from studies.placements import Placement, lay_grids, random_placements
 from studies.raw_cells import raw_mesh
-from tusqh.antialias.policy import Criteria, Policy
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import sample_fractions
+from tusqh.settings.policy import Criteria, Policy
 
 STILL = Placement(np.eye(2), np.zeros(2))
 

@@ -13,10 +13,10 @@ from studies import peer_meshers
 from studies.peers import COLUMNS, compare_with_peers, run_peer
 from studies.raw_cells import raw_mesh
 from studies.solids import cut_tets, describe_solid, measure_fit
-from tusqh.antialias.policy import Policy
 from tusqh.grid import BackgroundGrid
 from tusqh.meshes.jacobians import corner_jacobians, element_volumes
 from tusqh.sampling.fractions import sample_fractions
+from tusqh.settings.policy import Policy
 
 #: A cube as five and as six tetrahedra.
 CUBE = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], dtype=float)

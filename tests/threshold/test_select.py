@@ -4,10 +4,10 @@ import pytest
 from fields import make_fractions, random_fractions
 
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Criteria, Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.errors import TopologyError
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
+from tusqh.settings.policy import Criteria, Policy
 from tusqh.threshold import plateaus, select
 from tusqh.threshold.goals import distances
 from tusqh.threshold.plateaus import merge_intervals, predict_plateaus
@@ -27,7 +27,7 @@ def choose(fractions, policy=None, **wanted):
 
 def mesh_of(fractions, chosen):
     """The mesh as the workflow makes it: from the threshold and policy of the selection."""
-    cells = CellSets(fractions, Policy.from_settings(chosen.policy)).at(chosen.threshold)
+    cells = CellSets(fractions, Policy.from_dict(chosen.policy)).at(chosen.threshold)
     assert cells.predicted == chosen.predicted
     return build_mesh(cells, fractions.grid).mesh
 
@@ -179,7 +179,7 @@ def test_persistence_removes_and_fills_exactly_the_short_lived_where_no_threshol
     chosen, _ = choose(fractions, persistence=0.65)
     assert "no threshold does it alone" in chosen.reason
     assert chosen.predicted == (1, 1, 0)
-    settings = Policy.from_settings(chosen.policy)
+    settings = Policy.from_dict(chosen.policy)
     assert settings.components.min_persistence == settings.holes.min_persistence == 0.65
     dropped = CellSets(fractions, settings).at(chosen.threshold).dropped
     assert len(dropped) == 1

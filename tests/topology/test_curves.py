@@ -5,9 +5,9 @@ import pytest
 from oracles import gudhi_pairs, simplicial_betti_by_rank
 
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Policy
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.settings.policy import Policy
 from tusqh.topology.curves import betti_curves, outer_pairs
 from tusqh.topology.filtration import build_filtration
 from tusqh.topology.persistence import (

@@ -3,13 +3,13 @@
 import pytest
 
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Criteria, Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.geometry.read import read_outline
 from tusqh.meshes.betti import betti_by_boundary
 from tusqh.quality.rows import VERIFICATION_COLUMNS, verification_row
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.layout import lay_grid
+from tusqh.settings.policy import Criteria, Policy
 from tusqh.threshold.plateaus import predict_plateaus
 from tusqh.threshold.select import choose_threshold
 from tusqh.topology.curves import betti_curves

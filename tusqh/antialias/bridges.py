@@ -25,8 +25,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from tusqh.antialias.clusters import CONNECT, SEPARATE, label_clusters
-from tusqh.antialias.policy import BridgeMode
 from tusqh.grid import BackgroundGrid, BoolArray, FloatArray, IntArray
+from tusqh.settings.policy import BridgeMode
 from tusqh.topology.effective import label_components
 
 #: Columns of the table of bridges.

@@ -14,10 +14,10 @@ from tusqh.antialias.bridges import ACCEPTED, Bridge, join_components
 from tusqh.antialias.clusters import CONNECT, NONE, SEPARATE, Decisions, decide_by_fraction
 from tusqh.antialias.components import COLUMNS, drop_features
 from tusqh.antialias.pinches import find_pinches
-from tusqh.antialias.policy import Policy
 from tusqh.errors import TopologyError
 from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.settings.policy import Policy
 from tusqh.topology.betti_numbers import BettiNumbers
 from tusqh.topology.curves import persistence_by_cell
 from tusqh.topology.effective import effective_betti, label_components

@@ -12,8 +12,8 @@ import numpy as np
 from scipy import ndimage
 
 from tusqh.antialias.pinches import find_pinch_edges, find_pinches
-from tusqh.antialias.policy import MixedPinches
 from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.settings.policy import MixedPinches
 
 #: Values of `Decisions.at_vertex`.
 SEPARATE, NONE, CONNECT = -1, 0, 1

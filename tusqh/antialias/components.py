@@ -12,9 +12,9 @@ import numpy as np
 import pandas as pd
 from scipy import ndimage
 
-from tusqh.antialias.policy import Criteria
 from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.settings.policy import Criteria
 
 #: Columns of the table of removed components and filled holes, before the coordinates.
 COLUMNS = ["feature", "cells", "volume", "persistence", "smallest_fraction", "largest_fraction"]

@@ -15,7 +15,6 @@ import numpy as np
 import pandas as pd
 
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Policy
 from tusqh.explorer.arrays import (
     field_arrays,
     geometry_arrays,
@@ -28,13 +27,14 @@ from tusqh.explorer.encode import pack
 from tusqh.explorer.subject import Subject
 from tusqh.meshes.volume_mesh import KINDS
 from tusqh.quality.verdict import overall
+from tusqh.settings.policy import Policy
 from tusqh.threshold.plateaus import BETTI
 
 
 def make_page(subject: Subject) -> str:
     """Return the explorer of a model: the same text for the same subject."""
     grid = subject.fractions.grid
-    cell_sets = CellSets(subject.fractions, Policy.from_settings(subject.selection.policy))
+    cell_sets = CellSets(subject.fractions, Policy.from_dict(subject.selection.policy))
     blocks = {
         "field": pack(field_arrays(subject.fractions)),
         "plateaus": pack(plateau_arrays(cell_sets, subject.curves, subject.topologies)),

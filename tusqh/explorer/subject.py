@@ -10,7 +10,6 @@ from typing import Any
 
 import pandas as pd
 
-from tusqh.antialias.policy import Criteria
 from tusqh.errors import ConfigError
 from tusqh.explorer.command import Command, mesh_command
 from tusqh.geometry.files import Geometry, load_geometry
@@ -19,6 +18,7 @@ from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.result import Result
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.io import load_fractions
+from tusqh.settings.policy import Criteria
 from tusqh.threshold.select import Selection
 
 #: Tables that the page shows as they are.

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Policy
 from tusqh.antialias.resolve import Resolved, build_mesh, describe_mesh
 from tusqh.atomic import write_text
 from tusqh.certificate import make_certificate
@@ -15,6 +14,7 @@ from tusqh.hashing import canonical_json
 from tusqh.meshes.export import write_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.settings.policy import Policy
 from tusqh.tables import write_csv
 from tusqh.threshold.select import Selection
 
@@ -91,7 +91,7 @@ def build(fractions: VolumeFractions, selection: Selection, *, name: str = "mode
     MeshError
         A pinch cannot be resolved, which is a fault of tusqh, never of the geometry.
     """
-    policy = Policy.from_settings(selection.policy)
+    policy = Policy.from_dict(selection.policy)
     cells = CellSets(fractions, policy).at(selection.threshold)
     resolved = build_mesh(cells, fractions.grid, name=name)
     facts = {

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from tusqh.antialias.policy import BridgeMode, MixedPinches
 from tusqh.pipeline.build import build
 from tusqh.pipeline.ingest import describe, ingest
 from tusqh.pipeline.judge import judge
@@ -18,6 +17,7 @@ from tusqh.pipeline.settings import GOALS, POLICY, SAMPLING, Betti, pick, to_set
 from tusqh.progress import Progress, log_progress
 from tusqh.sampling.field import TOLERANCE, Sampler
 from tusqh.sampling.fractions import Domain, Orientation, Rule
+from tusqh.settings.policy import BridgeMode, MixedPinches
 
 
 def mesh(
@@ -86,7 +86,7 @@ def mesh(
         2D: join components along interior edges, ``"forest"``, ``"all"`` or ``"none"``.
     components, holes, voids
         What these need to stay, as ``{"min_cells": 4}``, see
-        `tusqh.antialias.policy.Criteria`.
+        `tusqh.settings.policy.Criteria`.
     image
         For voxels: ``{"voxel_size": 0.1, "empty": 0, "full": 255}``, see
         `tusqh.geometry.image.Image.from_voxels`.

@@ -9,9 +9,9 @@ from typing import Any
 import pandas as pd
 
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Policy
 from tusqh.progress import Progress, log_progress
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.settings.policy import Policy
 from tusqh.threshold.plateaus import predict_plateaus
 from tusqh.threshold.select import Selection, choose_threshold
 
@@ -52,11 +52,11 @@ def predict(
     curves
         Raw Betti numbers by plateau, of these fractions.
     policy
-        Settings for `tusqh.antialias.policy.Policy.from_settings`.
+        Settings for `tusqh.settings.policy.Policy.from_dict`.
     progress
         Shows how many plateaus have been looked at.
     """
-    cell_sets = CellSets(fractions, Policy.from_settings(policy or {}))
+    cell_sets = CellSets(fractions, Policy.from_dict(policy or {}))
     return cell_sets, predict_plateaus(cell_sets, curves, progress=progress("plateaus"))
 
 
@@ -79,7 +79,7 @@ def select(
     curves, diagram
         Their topology, see `tusqh.pipeline.persistence`.
     policy
-        Settings for `tusqh.antialias.policy.Policy.from_settings`.
+        Settings for `tusqh.settings.policy.Policy.from_dict`.
     wanted
         One of `threshold`, `target`, `persistence` and `volume`; a threshold of 1/2 by default.
     name

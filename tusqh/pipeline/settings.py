@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 from numbers import Integral, Real
 from typing import Any, get_args
 
-from tusqh.antialias.policy import BridgeMode, MixedPinches
 from tusqh.errors import ConfigError
 from tusqh.sampling.field import Sampler
 from tusqh.sampling.fractions import Domain, Orientation, Rule
+from tusqh.settings.policy import BridgeMode, MixedPinches
 from tusqh.threshold.goals import Wanted, find_empty
 
 #: Keys of a block by the stage that reads them, as in the rules of the workflow.

@@ -57,7 +57,7 @@ class Selection:
         The thresholds that give the same Betti numbers with no feature removed or filled, in
         words; empty where none does, or where the choice needs none of it.
     policy
-        What to do about pinches and small features, for `Policy.from_settings`.
+        What to do about pinches and small features, for `Policy.from_dict`.
     """
 
     threshold: float

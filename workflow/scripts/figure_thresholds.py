@@ -2,14 +2,14 @@ from pathlib import Path
 
 from provenance.record import recorded
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Policy
 from tusqh.figures import style
 from tusqh.figures.thresholds import draw_thresholds
 from tusqh.geometry.files import load_geometry
 from tusqh.sampling.io import load_fractions
+from tusqh.settings.policy import Policy
 
 with recorded(snakemake) as log:
-    policy = Policy.from_settings(snakemake.params.policy)
+    policy = Policy.from_dict(snakemake.params.policy)
     figure = draw_thresholds(
         CellSets(load_fractions(Path(snakemake.input.fractions)), policy),
         load_geometry(Path(snakemake.input.geometry)),

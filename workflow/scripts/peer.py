@@ -5,9 +5,9 @@ import pandas as pd
 
 from provenance.record import recorded
 from studies.peers import run_peer
-from tusqh.antialias.policy import Policy
 from tusqh.geometry.files import load_geometry
 from tusqh.sampling.io import load_fractions
+from tusqh.settings.policy import Policy
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
@@ -16,7 +16,7 @@ with recorded(snakemake) as log:
         snakemake.wildcards.peer,
         load_geometry(Path(snakemake.input.geometry)),
         load_fractions(Path(snakemake.input.fractions)),
-        Policy.from_settings(selection["policy"]),
+        Policy.from_dict(selection["policy"]),
         threshold=selection["threshold"],
         is_clamped=snakemake.params.sampling.get("rule") == "clamped",
         seconds=snakemake.params.seconds,

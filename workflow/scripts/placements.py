@@ -9,10 +9,10 @@ from studies.orientation import (
     recommend_grid,
     vary_placement,
 )
-from tusqh.antialias.policy import Policy
 from tusqh.geometry.files import load_geometry
 from tusqh.progress import log_progress
 from tusqh.sampling.layout import to_window
+from tusqh.settings.policy import Policy
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
@@ -21,7 +21,7 @@ with recorded(snakemake) as log:
     name = snakemake.wildcards.model
     table = vary_placement(
         load_geometry(Path(snakemake.input.geometry)),
-        Policy.from_settings(selection["policy"]),
+        Policy.from_dict(selection["policy"]),
         sorted({*THRESHOLDS, selection["threshold"]}),
         snakemake.params.cells,
         count=snakemake.params.placements,

@@ -4,8 +4,8 @@ from pathlib import Path
 from provenance.record import recorded
 from studies.suitability import CHOSEN, compare_suitability
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Policy
 from tusqh.sampling.io import load_fractions
+from tusqh.settings.policy import Policy
 from tusqh.tables import write_csv
 from tusqh.threshold.select import Selection
 
@@ -13,7 +13,7 @@ with recorded(snakemake) as log:
     selection = Selection.from_dict(json.loads(Path(snakemake.input.selection).read_text()))
     fractions = load_fractions(Path(snakemake.input.fractions))
     table = compare_suitability(
-        CellSets(fractions, Policy.from_settings(selection.policy)),
+        CellSets(fractions, Policy.from_dict(selection.policy)),
         {CHOSEN: selection.threshold, "one half": 0.5},
         selection.predicted,
         name=snakemake.wildcards.model,

@@ -4,16 +4,16 @@ import pandas as pd
 
 from provenance.record import recorded
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.policy import Policy
 from tusqh.antialias.resolve import build_mesh
 from tusqh.meshes.export import write_vtu
 from tusqh.quality.rows import verification_row
 from tusqh.sampling.io import load_fractions
+from tusqh.settings.policy import Policy
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
     fractions = load_fractions(Path(snakemake.input.fractions))
-    cell_sets = CellSets(fractions, Policy.from_settings(snakemake.params.policy))
+    cell_sets = CellSets(fractions, Policy.from_dict(snakemake.params.policy))
     rows = []
     for path, threshold in zip(snakemake.output.meshes, snakemake.params.thresholds, strict=True):
         cells = cell_sets.at(threshold)

@@ -1,0 +1,119 @@
+"""A field of the settings: a dataclass field that carries its sentence, range and unit."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+from typing import Any, get_type_hints
+
+#: Names of limits, as keywords of `setting` and of JSON schema.
+_LIMITS = {
+    "above": "exclusiveMinimum",
+    "at_least": "minimum",
+    "at_most": "maximum",
+    "multiple_of": "multipleOf",
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class Setting:
+    """What is known about a field besides its name, type and default.
+
+    Parameters
+    ----------
+    sentence
+        What the setting means, in one or two sentences.
+    unit
+        Unit of its value; empty for dimensionless values and words.
+    otherwise
+        What applies where None is the default: a value, or words for the documentation.
+    limits
+        Range of its numbers, as keywords of JSON schema.
+    n_items
+        Smallest and largest number of entries of a list; None for no limit.
+    is_distinct
+        Whether the entries of a list must differ.
+    extra
+        Further keywords of JSON schema.
+    is_inline
+        Whether the keys of this section stand beside its neighbours instead of below a key.
+    is_spread
+        Whether the fields of this section are arguments of `tusqh.mesh` by their own names.
+    argument
+        Name of a whole section as one option and one argument, such as ``betti``.
+    prefix
+        What the options of this section start with on the command line.
+    metavar
+        Placeholder for the value in the help of the command line.
+    """
+
+    sentence: str
+    unit: str = ""
+    otherwise: Any = None
+    limits: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    n_items: tuple[int, int | None] = (1, None)
+    is_distinct: bool = False
+    extra: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    is_inline: bool = False
+    is_spread: bool = False
+    argument: str = ""
+    prefix: str = ""
+    metavar: str = ""
+
+
+@dataclasses.dataclass(frozen=True)
+class Entry:
+    """A field of a section, ready to be turned into a schema, a row or an option.
+
+    Parameters
+    ----------
+    name
+        Name of the field, and of the key.
+    hint
+        Its type.
+    default
+        Its default; `dataclasses.MISSING` where the setting is required.
+    setting
+        What else is known about it.
+    """
+
+    name: str
+    hint: Any
+    default: Any
+    setting: Setting
+
+
+def setting(sentence: str, *, default: Any = dataclasses.MISSING, **about: Any) -> Any:
+    """Return a dataclass field for a setting.
+
+    Parameters
+    ----------
+    sentence
+        What the setting means.
+    default
+        The default; a class stands for an instance of it.  Without one the setting is required.
+    **about
+        `above`, `at_least`, `at_most` and `multiple_of` limit numbers; the others are parameters
+        of `Setting`.
+
+    Examples
+    --------
+    >>> field = setting("Number of trials.", default=3, at_least=1)
+    >>> field.default, field.metadata["setting"].limits
+    (3, {'minimum': 1})
+    """
+    limits = {_LIMITS[name]: about.pop(name) for name in _LIMITS if name in about}
+    metadata = {"setting": Setting(sentence, limits=limits, **about)}
+    if isinstance(default, type):
+        return dataclasses.field(default_factory=default, metadata=metadata)
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def entries_of(section: type) -> Iterator[Entry]:
+    """Yield the fields of a section in their order."""
+    hints = get_type_hints(section)
+    for field in dataclasses.fields(section):
+        default = field.default
+        if field.default_factory is not dataclasses.MISSING:
+            default = field.default_factory()
+        yield Entry(field.name, hints[field.name], default, field.metadata["setting"])

@@ -1,0 +1,165 @@
+"""How the threshold is chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal
+
+from tusqh.settings.field import entries_of, setting
+from tusqh.settings.section import Section
+from tusqh.settings.validate import Path
+
+
+@dataclass(frozen=True)
+class Range(Section):
+    """Numbers from a smallest to a largest one, both included."""
+
+    min: int | None = setting("Smallest number.", default=None, otherwise="any", at_least=0)
+    max: int | None = setting("Largest number.", default=None, otherwise="any", at_least=0)
+
+    def find_contradictions(self) -> Iterator[tuple[Path, str, str]]:
+        """Yield a range that contains no number."""
+        if self.min is not None and self.max is not None and self.min > self.max:
+            yield (), f"found {self.to_dict()}", "a range whose min is not above its max"
+
+
+#: A number, a list of numbers, or a range.
+Wanted = int | tuple[int, ...] | Range
+
+
+@dataclass(frozen=True)
+class Target(Section):
+    """The Betti numbers that a mesh must have; those left out may have any value.
+
+    Examples
+    --------
+    >>> print(Target.from_dict({"betti_1": {"min": 1, "max": 3}, "betti_0": [1, 2]}))
+    betti_0 in [1, 2], 1 <= betti_1 <= 3
+    """
+
+    betti_0: Wanted | None = setting(
+        "Number of connected components.", default=None, otherwise="any", at_least=0
+    )
+    betti_1: Wanted | None = setting(
+        "Number of holes; in 3D, of tunnels.", default=None, otherwise="any", at_least=0
+    )
+    betti_2: Wanted | None = setting(
+        "Number of voids, in 3D.", default=None, otherwise="any", at_least=0
+    )
+
+    def given(self) -> dict[str, Wanted]:
+        """Return the Betti numbers that are given, by name."""
+        values = {entry.name: getattr(self, entry.name) for entry in entries_of(Target)}
+        return {name: wanted for name, wanted in values.items() if wanted is not None}
+
+    def __str__(self) -> str:
+        """Return the target in words."""
+        return ", ".join(_in_words(name, wanted) for name, wanted in self.given().items())
+
+    @staticmethod
+    def from_argument(value: Any) -> Any:
+        """Return the value of the argument `betti`, a sequence, as a mapping.
+
+        >>> Target.from_argument((1, None, {"max": 2}))
+        {'betti_0': 1, 'betti_2': {'max': 2}}
+        """
+        if isinstance(value, (Target, dict)):
+            return value
+        if isinstance(value, str) or not isinstance(value, Sequence) or not 1 <= len(value) <= 3:
+            raise ValueError("up to three Betti numbers, as (1, 0, 0)")
+        return {f"betti_{k}": wanted for k, wanted in enumerate(value) if wanted is not None}
+
+    @staticmethod
+    def from_option(text: str) -> Any:
+        """Return the text of the option ``--betti`` as a mapping.
+
+        >>> Target.from_option("1,0..2,*")
+        {'betti_0': 1, 'betti_1': {'min': 0, 'max': 2}}
+        """
+        return Target.from_argument([_from_text(entry.strip()) for entry in text.split(",")])
+
+    def to_option(self) -> str:
+        """Return the text of the option ``--betti``; lists, which it cannot say, become ranges."""
+        return ",".join(_to_text(getattr(self, entry.name)) for entry in entries_of(Target))
+
+
+@dataclass(frozen=True)
+class Goal(Section):
+    """How the threshold is chosen: at most one of these is given.
+
+    Examples
+    --------
+    >>> Goal().threshold, Goal(persistence=0.2).threshold
+    (0.5, None)
+    """
+
+    title: ClassVar[str] = "Threshold"
+    alternatives: ClassVar[tuple[str, ...]] = ("threshold", "target", "persistence", "volume")
+
+    threshold: float | None = setting(
+        "Keep cells with at least this volume fraction.",
+        default=None,
+        otherwise=0.5,
+        above=0,
+        at_most=1,
+        metavar="T",
+    )
+    target: Target | None = setting(
+        "Instead of a threshold: the Betti numbers that the mesh must have (numbers of "
+        "components, holes and voids). Each is a number, a list of numbers, or a range.",
+        default=None,
+        argument="betti",
+        metavar="B0,B1,B2",
+        extra={"minProperties": 1},
+    )
+    persistence: float | None = setting(
+        "Instead of a threshold: keep only features that live over at least this range of "
+        "thresholds, by a threshold at which no others live or, where there is none, by removing "
+        "and filling exactly those.",
+        default=None,
+        above=0,
+        at_most=1,
+        metavar="P",
+    )
+    volume: Literal["match"] | None = setting(
+        "Instead of a threshold: `match` takes the threshold whose mesh has the winding-number "
+        "volume.",
+        default=None,
+    )
+
+
+def _in_words(name: str, wanted: Wanted) -> str:
+    if isinstance(wanted, Range):
+        low = "" if wanted.min is None else f"{wanted.min} <= "
+        high = "" if wanted.max is None else f" <= {wanted.max}"
+        return f"{low}{name}{high}"
+    return f"{name} = {wanted}" if isinstance(wanted, int) else f"{name} in {list(wanted)}"
+
+
+def _from_text(entry: str) -> Any:
+    """Return one entry of ``--betti``: a number, a range ``1..3``, or None for ``*``."""
+    low, dots, high = entry.partition("..")
+    if entry == "*":
+        return None
+    try:
+        if not dots:
+            return int(entry)
+        wanted = {key: int(end) for key, end in {"min": low, "max": high}.items() if end}
+    except ValueError:
+        wanted = {}
+    if not wanted:
+        raise ValueError(
+            "numbers as 1,0,0 for one component without holes and voids, 1..3 for a range, * for "
+            "any number"
+        )
+    return wanted
+
+
+def _to_text(wanted: Wanted | None) -> str:
+    if isinstance(wanted, tuple):
+        wanted = Range(min=min(wanted), max=max(wanted))
+    if isinstance(wanted, Range):
+        low, high = ("" if end is None else end for end in (wanted.min, wanted.max))
+        return f"{low}..{high}" if wanted != Range() else "*"
+    return "*" if wanted is None else str(wanted)

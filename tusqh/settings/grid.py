@@ -1,0 +1,107 @@
+"""Where the background grid is, and how fine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from tusqh.settings.field import setting
+from tusqh.settings.section import Section
+from tusqh.settings.validate import Path
+
+Box = tuple[tuple[float, ...], tuple[float, ...]]
+
+
+@dataclass(frozen=True)
+class Grid(Section):
+    """The background grid of square or cubic cells over the window or the bounding box.
+
+    Examples
+    --------
+    >>> Grid(), Grid(cell_size=0.5)
+    (Grid(cells=64, cell_size=None), Grid(cells=None, cell_size=0.5))
+    """
+
+    title: ClassVar[str] = "Grid"
+    alternatives: ClassVar[tuple[str, ...]] = ("cells", "cell_size")
+
+    cells: int | tuple[int, ...] | None = setting(
+        "Number of cells along the longest side, or one number for each axis.",
+        default=None,
+        otherwise=64,
+        at_least=1,
+        n_items=(2, 3),
+        metavar="N",
+    )
+    cell_size: float | None = setting(
+        "Edge length of a cell, instead of `cells`.",
+        default=None,
+        unit="units of the geometry",
+        above=0,
+        metavar="H",
+    )
+
+
+@dataclass(frozen=True)
+class Window(Section):
+    """The box to mesh in; beyond it there is no material.
+
+    Examples
+    --------
+    >>> Window.from_dict({"lower": [0, 1], "upper": [2, 3]}).box
+    ((0.0, 1.0), (2.0, 3.0))
+    """
+
+    title: ClassVar[str] = "Grid"
+
+    lower: tuple[float, ...] = setting("Lowest corner, `[x, y]` or `[x, y, z]`.", n_items=(2, 3))
+    upper: tuple[float, ...] = setting("Highest corner.", n_items=(2, 3))
+
+    @property
+    def box(self) -> Box:
+        """The two corners."""
+        return self.lower, self.upper
+
+    def find_contradictions(self) -> Iterator[tuple[Path, str, str]]:
+        """Yield corners that do not span a box."""
+        found = f"found {list(self.lower)} and {list(self.upper)}"
+        if len(self.lower) != len(self.upper):
+            yield (), found, "as many coordinates in `lower` as in `upper`"
+        elif any(low >= high for low, high in zip(self.lower, self.upper, strict=True)):
+            yield (), found, "`upper` above `lower` along every axis"
+
+    @staticmethod
+    def from_argument(value: Any) -> Any:
+        """Return the value of the argument `window`, lowest and highest corner, as a mapping.
+
+        >>> Window.from_argument([(0, 0), (4, 3)])
+        {'lower': (0, 0), 'upper': (4, 3)}
+        """
+        if isinstance(value, (Window, dict)):
+            return value
+        try:
+            lower, upper = value
+        except (TypeError, ValueError):
+            raise ValueError("the lowest and the highest corner of a box") from None
+        return {"lower": lower, "upper": upper}
+
+    @staticmethod
+    def from_option(text: str) -> Any:
+        """Return the text of the option ``--window`` as a mapping.
+
+        >>> Window.from_option("0,0,4,3")
+        {'lower': [0.0, 0.0], 'upper': [4.0, 3.0]}
+        """
+        try:
+            numbers = [float(entry) for entry in text.split(",")]
+        except ValueError:
+            numbers = []
+        if len(numbers) not in (4, 6):
+            raise ValueError("a box as X0,Y0,X1,Y1, or as X0,Y0,Z0,X1,Y1,Z1 in 3D")
+        half = len(numbers) // 2
+        return {"lower": numbers[:half], "upper": numbers[half:]}
+
+    def to_option(self) -> str:
+        """Return the text of the option ``--window``."""
+        return ",".join(repr(x).removesuffix(".0") for x in (*self.lower, *self.upper))

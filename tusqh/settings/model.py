@@ -1,0 +1,144 @@
+"""The settings put together: of a mesh, of a model, and of the whole workflow."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from tusqh.settings.field import setting
+from tusqh.settings.goal import Goal
+from tusqh.settings.grid import Grid, Window
+from tusqh.settings.policy import Policy
+from tusqh.settings.sampling import Sampling
+from tusqh.settings.section import Section
+from tusqh.settings.simulation import Simulation
+from tusqh.settings.voxels import Voxels
+
+
+@dataclass(frozen=True)
+class Settings(Section):
+    """Every setting that determines the mesh of a geometry: what `tusqh.mesh` takes.
+
+    Examples
+    --------
+    >>> Settings.from_dict({"grid": {"cells": 32}, "rule": "clamped"}).to_dict(defaults=False)
+    {'grid': {'cells': 32}, 'rule': 'clamped'}
+    """
+
+    grid: Grid = setting(
+        "The background grid: `{cells: n}` along the longest side, `{cells: [nx, ny]}`, or "
+        "`{cell_size: h}`; cells are squares or cubes.",
+        default=Grid,
+        is_spread=True,
+    )
+    sampling: Sampling = setting(
+        "How volume fractions are sampled.", default=Sampling, is_inline=True
+    )
+    window: Window | None = setting(
+        "Box to mesh in, `{lower: [x, y], upper: [x, y]}` (in 3D with z); there is no material "
+        "beyond it.",
+        default=None,
+        otherwise="the bounding box",
+        unit="units of the geometry",
+        argument="window",
+        metavar="X0,Y0,X1,Y1",
+    )
+    image: Voxels = setting("What the voxels of an image mean; only for images.", default=Voxels)
+    goal: Goal = setting("How the threshold is chosen.", default=Goal, is_inline=True)
+    policy: Policy = setting(
+        "What to do about pinches and small features.", default=Policy, is_inline=True
+    )
+
+
+@dataclass(frozen=True)
+class Model(Section):
+    """A model of the workflow: a block below `models` in the configuration."""
+
+    geometry: str = setting(
+        "Geometry file, relative to the repository, or `package:NAME/FILE` inside an installed "
+        "Python package. 2D: GeoJSON, shapefile, SVG, DXF or CSV (`x0,y0,x1,y1`); 3D: STL, OBJ, "
+        "PLY, OFF, GLB, VTK, VTU, VTP; images: NPY, TIFF, NRRD. It is neither repaired nor "
+        "snapped nor closed.",
+        extra={"minLength": 1},
+    )
+    unit: str = setting("Unit of length in that file.", default="m")
+    settings: Settings = setting("How it is meshed.", default=Settings, is_inline=True)
+    panels: tuple[float, ...] = setting(
+        "2D: thresholds of the three panels of the threshold figure.",
+        default=(0.5, 0.15, 0.01),
+        above=0,
+        at_most=1,
+        n_items=(3, 3),
+    )
+    simulation: Simulation = setting(
+        "The release of a contaminant, in 3D of heat, and its diffusion.", default=Simulation
+    )
+
+
+@dataclass(frozen=True)
+class Study(Section):
+    """How much the studies of the models do."""
+
+    placements: int = setting(
+        "Random orientations and offsets of every model.", default=50, at_least=2
+    )
+    cells_2d: tuple[int, ...] = setting(
+        "Cells along the longest side of the grids laid over 2D models; the largest is a "
+        "multiple of the others.",
+        default=(24, 48, 96),
+        at_least=1,
+        is_distinct=True,
+    )
+    cells_3d: tuple[int, ...] = setting(
+        "The same for 3D models.", default=(16, 32), at_least=1, is_distinct=True
+    )
+    seconds: int = setting(
+        "Processor time after which a program that Tusqh is compared with counts as not finished.",
+        default=90,
+        unit="s",
+        at_least=1,
+    )
+
+
+@dataclass(frozen=True)
+class Workflow(Section):
+    """The configuration of the workflow: the keys at the top of ``config/config.yaml``."""
+
+    models: Mapping[str, Model] = setting(
+        "The models, by name; the name becomes the folder `results/<name>/`.",
+        extra={
+            "minProperties": 1,
+            "propertyNames": {
+                "pattern": "^[A-Za-z0-9][A-Za-z0-9_-]*$",
+                "not": {
+                    "enum": [
+                        *("tables", "provenance", "report", "figures"),
+                        *("benchmarks", "logs", "code", "workflow"),
+                    ]
+                },
+            },
+        },
+    )
+    sweep: tuple[float, ...] = setting(
+        "Thresholds at which the topology of every 2D model is verified, as rows of "
+        "`verification.csv`.",
+        default=(0.9, 0.75, 0.5, 0.25, 0.15, 0.05, 0.01),
+        above=0,
+        at_most=1,
+        is_distinct=True,
+    )
+    sweep_3d: tuple[float, ...] = setting(
+        "The same for 3D models, and the panels of their figure.",
+        default=(0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0),
+        above=0,
+        at_most=1,
+        is_distinct=True,
+    )
+    snapshots: tuple[int, ...] = setting(
+        "Time steps at which the simulated field is written; the last one ends the simulation.",
+        default=(0, 50, 100, 200, 400, 800),
+        at_least=0,
+        n_items=(6, 6),
+        is_distinct=True,
+    )
+    study: Study = setting("How much the studies of the models do.", default=Study)

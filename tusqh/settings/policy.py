@@ -1,0 +1,90 @@
+"""What to do about pinches, archipelagos and small features."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+from tusqh.settings.field import setting
+from tusqh.settings.section import Section
+
+MixedPinches = Literal["separate", "connect", "majority"]
+BridgeMode = Literal["forest", "all", "none"]
+
+
+@dataclass(frozen=True)
+class Criteria(Section):
+    """What a feature (a component, a hole, a void) must meet to stay: all of these."""
+
+    title: ClassVar[str] = "Pinches and features"
+
+    min_cells: int = setting("Smallest number of grid cells.", default=1, at_least=1, metavar="N")
+    min_volume: float = setting(
+        "Smallest area or volume.",
+        default=0.0,
+        unit="units of the geometry to the power of the dimension",
+        at_least=0,
+        metavar="V",
+    )
+    min_persistence: float = setting(
+        "Smallest range of volume fractions over which the feature lives.",
+        default=0.0,
+        at_least=0,
+        at_most=1,
+        metavar="P",
+    )
+    keep: int | None = setting(
+        "Largest number of features that stay, the longest-lived ones.",
+        default=None,
+        otherwise="all",
+        at_least=0,
+        metavar="N",
+    )
+
+    @property
+    def needs_persistence(self) -> bool:
+        """Whether the persistence of features decides."""
+        return self.min_persistence > 0 or self.keep is not None
+
+    @property
+    def keeps_all(self) -> bool:
+        """Whether every feature stays."""
+        return self == Criteria()
+
+
+@dataclass(frozen=True)
+class Policy(Section):
+    """Every setting other than the threshold that determines the mesh of given fractions.
+
+    Examples
+    --------
+    >>> Policy.from_dict({"components": {"min_cells": 4}}).components.min_cells
+    4
+    """
+
+    title: ClassVar[str] = "Pinches and features"
+
+    mixed_pinches: MixedPinches = setting(
+        "How to resolve adjacent pinches whose sub-cells disagree; `majority` separates at a tie.",
+        default="separate",
+    )
+    bridges: BridgeMode = setting(
+        "2D: join components along interior edges while they are separate (`forest`), along "
+        "every such path between different components, which may make holes (`all`), or not at "
+        "all (`none`).",
+        default="forest",
+    )
+    components: Criteria = setting(
+        "What a component must meet to stay; each removal is a row in `features.csv`.",
+        default=Criteria,
+    )
+    holes: Criteria = setting(
+        "2D: what a hole must meet not to be filled; each filling is a row in `features.csv`.",
+        default=Criteria,
+        prefix="holes-",
+    )
+    voids: Criteria = setting(
+        "3D: what a void must meet not to be filled; each filling is a row in `features.csv`.",
+        default=Criteria,
+        prefix="voids-",
+    )

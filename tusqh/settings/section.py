@@ -1,0 +1,142 @@
+"""The base of every section: from plain values to a frozen dataclass, checked, and back."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping, Sequence
+from numbers import Integral, Real
+from types import NoneType, UnionType
+from typing import Any, ClassVar, Self, Union, get_args, get_origin
+
+from tusqh.settings.field import entries_of
+from tusqh.settings.schema import schema_of
+from tusqh.settings.validate import Locate, Path, refuse, to_declared_types, validate
+
+
+@dataclasses.dataclass(frozen=True)
+class Section:
+    """Settings that belong together.  Subclasses are frozen dataclasses of `setting` fields."""
+
+    #: Heading of the options on the command line.
+    title: ClassVar[str] = ""
+    #: Fields of which at most one is given; the first one's `otherwise` applies without any.
+    alternatives: ClassVar[tuple[str, ...]] = ()
+
+    def __post_init__(self) -> None:
+        """Fill in the first alternative where none is given."""
+        if self.alternatives and all(getattr(self, name) is None for name in self.alternatives):
+            first = next(e for e in entries_of(type(self)) if e.name == self.alternatives[0])
+            object.__setattr__(self, first.name, first.setting.otherwise)
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any], *, locate: Locate | None = None) -> Self:
+        """Return the section that plain values describe, checked.
+
+        Parameters
+        ----------
+        values
+            A value for each key, as in the configuration.  Keys that are left out, or None, have
+            their defaults.
+        locate
+            Says where the value at a path of keys was given, for messages.
+
+        Raises
+        ------
+        ConfigError
+            A key is unknown, a value is out of range, or two values contradict each other.
+        """
+        locate = locate or (lambda path: ".".join((cls.__name__, *map(str, path))))
+        kind: type = cls
+        schema = schema_of(kind)
+        plain = to_plain(values)
+        validate(plain, schema, locate=locate)
+        plain = to_declared_types(plain, schema, schema.get("$defs", {}))
+        section: Self = _build(cls, plain)
+        for path, found, expected in section.find_contradictions():
+            raise refuse(locate(path), found, expected, "correct one of them")
+        return section
+
+    def to_dict(self, *, defaults: bool = True) -> dict[str, Any]:
+        """Return the settings as plain values for YAML and JSON, without those that are None.
+
+        Parameters
+        ----------
+        defaults
+            Whether values that are defaults are included.
+        """
+        plain: dict[str, Any] = {}
+        for entry in entries_of(type(self)):
+            value = getattr(self, entry.name)
+            if value is None or (not defaults and value == entry.default):
+                continue
+            if isinstance(value, Section):
+                inner = value.to_dict(defaults=defaults)
+                if not entry.setting.is_inline:
+                    inner = {entry.name: inner} if inner else {}
+                plain |= inner
+            else:
+                plain[entry.name] = to_plain(value)
+        return plain
+
+    def find_contradictions(self) -> Iterator[tuple[Path, str, str]]:
+        """Yield pairs of values that contradict each other: path, found, expected."""
+        for entry in entries_of(type(self)):
+            value = getattr(self, entry.name)
+            if isinstance(value, Section):
+                step = () if entry.setting.is_inline else (entry.name,)
+                for path, found, expected in value.find_contradictions():
+                    yield (*step, *path), found, expected
+
+
+def to_plain(value: Any) -> Any:
+    """Return a value with mappings, lists and numbers of Python only; keys without a value go.
+
+    >>> to_plain({"cells": (60, 79), "cell_size": None})
+    {'cells': [60, 79]}
+    """
+    if isinstance(value, Section):
+        return value.to_dict()
+    if isinstance(value, Mapping):
+        return {key: to_plain(inner) for key, inner in value.items() if inner is not None}
+    if isinstance(value, Sequence) and not isinstance(value, (str, bytes)):
+        return [to_plain(inner) for inner in value]
+    if hasattr(value, "tolist"):  # Arrays and numbers of NumPy.
+        return value.tolist()
+    if isinstance(value, bool):
+        return value
+    if isinstance(value, Integral):
+        return int(value)
+    return float(value) if isinstance(value, Real) else value
+
+
+def _build(hint: Any, value: Any) -> Any:
+    """Return a valid plain value as the type of its field."""
+    if get_origin(hint) in (Union, UnionType):
+        return _build(_alternative(hint, value), value)
+    if get_origin(hint) is tuple:
+        return tuple(_build(get_args(hint)[0], inner) for inner in value)
+    if get_origin(hint) is Mapping:
+        return {key: _build(get_args(hint)[1], inner) for key, inner in value.items()}
+    if not isinstance(hint, type) or not issubclass(hint, Section):
+        return value
+    given = {}
+    for entry in entries_of(hint):
+        if entry.setting.is_inline:
+            given[entry.name] = _build(entry.hint, value)
+        elif entry.name in value:
+            given[entry.name] = _build(entry.hint, value[entry.name])
+    return hint(**given)
+
+
+def _alternative(hint: Any, value: Any) -> Any:
+    """Return the type among those of a union that a valid value has."""
+    for choice in get_args(hint):
+        kind = get_origin(choice) or choice
+        is_section = dataclasses.is_dataclass(choice)
+        if (
+            (kind is tuple and isinstance(value, list))
+            or (is_section and isinstance(value, dict))
+            or (kind is NoneType and value is None)
+        ):
+            return choice
+    return next(c for c in get_args(hint) if c is not NoneType and get_origin(c) is not tuple)

@@ -1,0 +1,225 @@
+"""Checking plain values against a JSON schema, with messages a user can act on."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Callable
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from tusqh.errors import ConfigError
+
+if TYPE_CHECKING:
+    import jsonschema
+
+#: Keys from the top level down to a value.
+Path = tuple[str | int, ...]
+#: Says where the value at a path was given: in which file, as which option or argument.
+Locate = Callable[[Path], str]
+Mapping = dict[str, Any]
+
+_WORDS = {"string": "text", "boolean": "true or false", "integer": "a whole number"}
+_HELP = "correct it; config/README.md explains every key"
+
+
+def validate(values: Any, schema: Mapping, *, locate: Locate) -> None:
+    """Raise a `ConfigError` for the first thing that a schema does not allow.
+
+    Parameters
+    ----------
+    values
+        Plain values: mappings, lists, numbers, text.
+    schema
+        A JSON schema.
+    locate
+        Says where the value at a path was given.
+
+    Raises
+    ------
+    ConfigError
+        Naming file or option, what was found, what is allowed and the nearest name.
+    """
+    # An unknown key comes first: a misspelt key is often a missing one, too.
+    errors = sorted(
+        _validator()(schema).iter_errors(values),
+        key=lambda e: (e.validator != "additionalProperties", [str(p) for p in e.absolute_path]),
+    )
+    if not errors:
+        return
+    error = errors[0]
+    # Of several alternatives the one whose kind the value has explains more than all together.
+    closer = [e for e in error.context or () if e.validator not in ("type", "enum") or e.path]
+    closer.sort(key=lambda e: -len(e.absolute_path))
+    raise _explain(closer[0] if closer else error, schema.get("$defs", {}), locate)
+
+
+def refuse(where: str, found: str, expected: str, remedy: str = _HELP) -> ConfigError:
+    """Return the error for a setting, the same for every way to give it."""
+    return ConfigError(found, where=where, expected=expected, remedy=remedy)
+
+
+def refuse_unknown(where: str, name: str, allowed: list[str], *, kind: str = "key") -> ConfigError:
+    """Return the error for a name that does not exist, with the nearest one that does.
+
+    >>> print(refuse_unknown("a.yaml: models.a", "sampels", ["grid", "samples"]))
+    a.yaml: models.a: unknown key 'sampels'
+      expected: one of grid, samples
+      remedy:   did you mean 'samples'?
+    """
+    near = difflib.get_close_matches(name, allowed, n=1, cutoff=0.5)
+    remedy = f"did you mean {near[0]!r}?" if near else "remove it, or use one of these"
+    return refuse(where, f"unknown {kind} {name!r}", f"one of {', '.join(sorted(allowed))}", remedy)
+
+
+@cache
+def _validator() -> Any:
+    """Return a validator for which only finite numbers are numbers."""
+    import jsonschema
+
+    def is_number(_: Any, value: Any) -> bool:
+        is_real = isinstance(value, (int, float)) and not isinstance(value, bool)
+        return is_real and math.isfinite(value)
+
+    draft = jsonschema.Draft202012Validator
+    checker = draft.TYPE_CHECKER.redefine("number", is_number)
+    return jsonschema.validators.extend(draft, type_checker=checker)  # type: ignore[no-untyped-call]
+
+
+def _explain(
+    error: jsonschema.ValidationError, definitions: Mapping, locate: Locate
+) -> ConfigError:
+    """Return the message for one violation of a schema."""
+    schema: Mapping = error.schema if isinstance(error.schema, dict) else {}
+    path: Path = tuple(error.absolute_path)
+    value: Any = error.instance
+    if error.validator == "additionalProperties":
+        allowed = list(schema["properties"])
+        unknown = sorted(set(map(str, value)) - set(allowed))[0]
+        return refuse_unknown(locate((*path, unknown)), unknown, allowed)
+    if error.validator == "required":
+        missing = next(name for name in schema["required"] if name not in value)
+        about = schema["properties"][missing].get("description", "that key")
+        return refuse(locate(path), f"the key {missing!r} is missing", about, "add it")
+    if "propertyNames" in error.absolute_schema_path:
+        if error.validator == "not":
+            found, expected = f"the model name {_show(value)} is reserved", "another name"
+        else:
+            found = f"the model name {_show(value)} is not a plain file name"
+            expected = 'letters, digits, "_" and "-", starting with a letter or digit'
+        return refuse(locate((*path, value)), found, expected, "rename the model")
+    if error.validator == "not":
+        both = schema["not"]["required"]
+        where = " and ".join(locate((*path, name)) for name in both)
+        return refuse(where, "both are given", "one of the two", "remove one of them")
+    if error.validator == "minProperties":
+        names = _resolved(schema, definitions).get("properties", {})
+        expected = f"at least one of {', '.join(names)}" if names else "at least one entry"
+        return refuse(locate(path), "nothing is given", expected)
+    near = difflib.get_close_matches(str(value), map(str, schema.get("enum", ())), n=1)
+    meaning = schema.get("description", "").split(". ")[0].rstrip(".")
+    expected = describe_rule(schema, definitions)
+    if meaning and "enum" not in schema:
+        expected += f" ({meaning})"
+    remedy = f"did you mean {near[0]!r}?" if near else _HELP
+    return refuse(locate(path), f"found {_show(value)}", expected, remedy)
+
+
+def describe_rule(schema: Mapping, definitions: Mapping) -> str:
+    """Return in words which values a schema allows.
+
+    >>> describe_rule({"type": "number", "exclusiveMinimum": 0, "maximum": 1}, {})
+    'a number, above 0 and at most 1'
+    >>> describe_rule({"type": "array", "minItems": 2, "items": {"type": "integer"}}, {})
+    'a list of at least 2 entries, each a whole number'
+    """
+    schema = _resolved(schema, definitions)
+    if "anyOf" in schema:
+        return ", or ".join(describe_rule(choice, definitions) for choice in schema["anyOf"])
+    if "enum" in schema:
+        return "one of " + ", ".join(map(str, schema["enum"]))
+    kind = schema.get("type", "value")
+    if kind == "array":
+        return f"a list of {_count(schema)}, each {describe_rule(schema['items'], definitions)}"
+    if kind == "object":
+        return "a mapping with keys of " + ", ".join(schema.get("properties", {}))
+    limits = {
+        "exclusiveMinimum": "above {}",
+        "minimum": "at least {}",
+        "maximum": "at most {}",
+        "multipleOf": "a multiple of {}",
+    }
+    ranges = [text.format(schema[name]) for name, text in limits.items() if name in schema]
+    return ", ".join([_WORDS.get(kind, f"a {kind}"), *([" and ".join(ranges)] if ranges else [])])
+
+
+def _count(schema: Mapping) -> str:
+    """Return how many entries a list may have, in words."""
+    lowest, highest = schema.get("minItems", 0), schema.get("maxItems")
+    entries = "different entries" if schema.get("uniqueItems") else "entries"
+    if highest is None:
+        return entries if lowest <= 1 else f"at least {lowest} {entries}"
+    return f"{lowest} {entries}" if lowest == highest else f"{lowest} to {highest} {entries}"
+
+
+def to_declared_types(value: Any, schema: Mapping, definitions: Mapping) -> Any:
+    """Return a value with the number types of its schema: 1 and 1.0 then mean, and record, one."""
+    return _convert(value, schema, definitions, is_text=False)
+
+
+def from_text(value: Any, schema: Mapping, definitions: Mapping) -> Any:
+    """Return a value in which numbers given as text are numbers, where its schema wants numbers.
+
+    Text with commas becomes a list where a list is allowed; text that cannot be converted stays.
+
+    >>> from_text({"a": "2", "b": "2"}, {"properties": {"a": {"type": "number"}}}, {})
+    {'a': 2.0, 'b': '2'}
+    """
+    return _convert(value, schema, definitions, is_text=True)
+
+
+def _convert(value: Any, schema: Mapping, definitions: Mapping, *, is_text: bool) -> Any:
+    schema = _resolved(schema, definitions)
+    choices = schema.get("anyOf", [schema])
+    for choice in (_resolved(choice, definitions) for choice in choices):
+        kind = choice.get("type")
+        if isinstance(value, dict):
+            known, others = choice.get("properties", {}), choice.get("additionalProperties")
+            rules = {k: known.get(k, others if isinstance(others, dict) else {}) for k in value}
+            value = {
+                k: _convert(v, rules[k], definitions, is_text=is_text) for k, v in value.items()
+            }
+        if kind == "array" and is_text and isinstance(value, str) and "," in value:
+            value = [entry.strip() for entry in value.split(",")]
+        if isinstance(value, list) and kind == "array":
+            items = choice.get("items", {})
+            value = [_convert(v, items, definitions, is_text=is_text) for v in value]
+        if isinstance(value, str) and is_text:
+            value = _number(value, kind)
+        if kind == "number" and isinstance(value, int) and not isinstance(value, bool):
+            value = float(value)
+        if kind == "integer" and isinstance(value, float) and value.is_integer():
+            value = int(value)
+    return value
+
+
+def _number(text: str, kind: Any) -> Any:
+    if kind == "boolean":
+        return {"true": True, "false": False}.get(text.lower(), text)
+    for convert in {"integer": (int,), "number": (int, float)}.get(kind, ()):
+        try:
+            return convert(text)
+        except ValueError:
+            continue
+    return text
+
+
+def _resolved(schema: Mapping, definitions: Mapping) -> Mapping:
+    if "$ref" not in schema:
+        return schema
+    return {**definitions[str(schema["$ref"]).rpartition("/")[2]], **schema}
+
+
+def _show(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
