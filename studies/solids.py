@@ -10,9 +10,9 @@ from studies.raw_cells import closed_betti
 from tusqh.geometry.soup import Soup
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.betti import betti_by_euler
-from tusqh.meshes.checks import find_non_manifold_points
 from tusqh.meshes.facets import find_facets
 from tusqh.meshes.jacobians import element_volumes
+from tusqh.meshes.manifold import find_non_manifold_points
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.topology.betti_numbers import BettiNumbers
 

@@ -23,9 +23,9 @@ from tusqh.antialias.pinches import find_pinches
 from tusqh.antialias.resolve import build_mesh
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.betti import betti_by_euler
-from tusqh.meshes.checks import find_non_manifold_points
 from tusqh.meshes.facets import find_facets
 from tusqh.meshes.jacobians import corner_jacobians, element_volumes
+from tusqh.meshes.manifold import find_non_manifold_points
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.simulate.diffusion import march
 from tusqh.simulate.operators import Operators

@@ -14,8 +14,7 @@ from tusqh import __version__
 from tusqh.antialias.cells import CellSet, CellSets
 from tusqh.errors import MeshError
 from tusqh.hashing import hash_file
-from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
-from tusqh.meshes.checks import Check, check_mesh
+from tusqh.meshes.checks import Check
 from tusqh.meshes.export import read_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.sampling.io import load_fractions
@@ -51,13 +50,11 @@ def make_certificate(
         The mesh does not have the predicted topology, or a check fails: no certificate then.
     """
     mesh = read_vtu(mesh_file, name=name)
-    checks = check_mesh(mesh)
-    by_euler, by_boundary = betti_by_euler(mesh), betti_by_boundary(mesh)
-    holds = all(check.holds for check in checks) and (
-        by_euler == by_boundary == cells.predicted == selection.predicted
-    )
+    measured = mesh.measurement
+    checks, by_euler, by_boundary = measured.checks, measured.by_euler, measured.by_boundary
+    holds = measured.is_sound and by_euler == by_boundary == cells.predicted == selection.predicted
     if not holds:
-        failed = "; ".join(check.name for check in checks if not check.holds)
+        failed = "; ".join(check.name for check in measured.failed)
         raise MeshError(
             f"measured Betti numbers {by_euler} and {by_boundary}, "
             f"failed checks: {failed or 'none'}",
@@ -121,12 +118,12 @@ def check_certificate(path: Path, mesh_file: Path, mesh: VolumeMesh) -> list[Che
         _same_digest("certificate: SHA-256 of the mesh", mesh_file, claim["mesh"]["sha256"]),
         _same(
             "certificate: Betti numbers by Euler characteristic",
-            list(betti_by_euler(mesh)),
+            list(mesh.measurement.by_euler),
             measured["euler"],
         ),
         _same(
             "certificate: Betti numbers by boundary",
-            list(betti_by_boundary(mesh)),
+            list(mesh.measurement.by_boundary),
             measured["boundary"],
         ),
         _same(
@@ -134,10 +131,10 @@ def check_certificate(path: Path, mesh_file: Path, mesh: VolumeMesh) -> list[Che
             claim["predicted"]["effective"],
             measured["euler"],
         ),
-        _same("certificate: number of checks", len(check_mesh(mesh)), len(claim["checks"])),
+        _same("certificate: number of checks", len(mesh.measurement.checks), len(claim["checks"])),
         _same(
             "certificate: failed checks",
-            [check.name for check in check_mesh(mesh) if not check.holds],
+            [check.name for check in mesh.measurement.failed],
             [check["name"] for check in claim["checks"] if not check["holds"]],
         ),
         _same("certificate: holds", claim["holds"], True),
@@ -201,10 +198,10 @@ def _rows(table: pd.DataFrame) -> list[dict[str, Any]]:
 
 
 def _same(name: str, found: object, required: object) -> Check:
-    return Check(name, found, str(required), found == required)
+    return Check(name, name, found, str(required), found == required)
 
 
 def _same_digest(name: str, path: Path, required: str) -> Check:
     """Compare whole digests, and show as much as people do."""
     found = hash_file(path)
-    return Check(name, found[:12], required[:12], found == required)
+    return Check(name, name, found[:12], required[:12], found == required)

@@ -9,7 +9,6 @@ from subjects import box_of, keys_of, make_subject, noise
 from tusqh.antialias.cells import CellSets
 from tusqh.explorer import arrays
 from tusqh.geometry.image import Image
-from tusqh.meshes.boundary import find_boundary
 from tusqh.settings.policy import Policy
 from tusqh.topology.merge_tree import TOP
 
@@ -120,7 +119,7 @@ def test_the_mesh_comes_back_from_its_facets(subject):
     if mesh.dim == 2:
         np.testing.assert_array_equal(corners, mesh.cells)
         return
-    boundary = find_boundary(mesh)
+    boundary = mesh.boundary
     ours = {
         (*sorted(c), e)
         for c, e in zip(corners[~is_inner].tolist(), first[~is_inner].tolist(), strict=True)
@@ -143,7 +142,7 @@ def test_the_mesh_comes_back_from_its_facets(subject):
 def test_large_meshes_are_shown_by_their_boundary(subject, monkeypatch):
     monkeypatch.setattr(arrays, "CUT_ELEMENTS", 1)
     found = arrays.mesh_arrays(subject.mesh, subject.fractions.grid)
-    n = subject.mesh.n_cells if subject.mesh.dim == 2 else len(find_boundary(subject.mesh).corners)
+    n = subject.mesh.n_cells if subject.mesh.dim == 2 else len(subject.mesh.boundary.corners)
     assert len(found["first"]) == n
     assert not found["second"].any()
 

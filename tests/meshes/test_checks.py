@@ -5,9 +5,8 @@ import pytest
 
 from tusqh.errors import MeshError, SimulationError
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
-from tusqh.meshes.checks import check_mesh, require_sound
+from tusqh.meshes.checks import CONFORMITY, check_mesh
 from tusqh.meshes.export import read_vtu, write_vtu
-from tusqh.meshes.mfem_mesh import to_mfem
 from tusqh.meshes.volume_mesh import VolumeMesh
 
 SQUARE = [[0.0, 0], [1, 0], [1, 1], [0, 1]]
@@ -33,41 +32,53 @@ def lattice(shape, picked):
 
 
 BAD = {
-    "corner indices out of range": (SQUARE, [[0, 1, 2, 9]]),
-    "points with NaN or infinite coordinates": ([*SQUARE[:3], [0, np.nan]], [[0, 1, 2, 3]]),
-    "unused points": ([*SQUARE, [5, 5]], [[0, 1, 2, 3]]),
-    "elements that use a point twice": (SQUARE, [[0, 1, 2, 2], [0, 1, 2, 3]]),
-    "repeated points": (
+    "indices_out_of_range": (SQUARE, [[0, 1, 2, 9]]),
+    "non_finite_points": ([*SQUARE[:3], [0, np.nan]], [[0, 1, 2, 3]]),
+    "unused_points": ([*SQUARE, [5, 5]], [[0, 1, 2, 3]]),
+    "repeated_corners": (SQUARE, [[0, 1, 2, 2], [0, 1, 2, 3]]),
+    "repeated_points": (
         [*SQUARE, [1, 0], [2, 0], [2, 1], [1, 1]],
         [[0, 1, 2, 3], [4, 5, 6, 7]],
     ),
-    "repeated elements": (SQUARE, [[0, 1, 2, 3], [1, 2, 3, 0]]),
-    "facets shared by more than two elements": (
+    "repeated_elements": (SQUARE, [[0, 1, 2, 3], [1, 2, 3, 0]]),
+    "overfull_facets": (
         [*SQUARE, [2, 0], [2, 1], [2, -1], [2, 2]],
         [[0, 1, 2, 3], [1, 4, 5, 2], [1, 6, 7, 2]],
     ),
-    "hanging nodes": (
+    "hanging_nodes": (
         [[0, 0], [2, 0], [2, 2], [0, 2], [3, 0], [3, 1], [2, 1]],
         [[0, 1, 2, 3], [1, 4, 5, 6]],
     ),
-    "non-manifold boundary points": lattice((2, 2), [(0, 0), (1, 1)]),
-    "elements with a non-positive corner Jacobian": (
+    "non_manifold_points": lattice((2, 2), [(0, 0), (1, 1)]),
+    "non_positive_jacobians": (
         [[0, 0], [1, 0], [0.2, 0.2], [0, 1]],
         [[0, 1, 2, 3]],
     ),
 }
 
 
-@pytest.mark.parametrize("name", BAD)
-def test_each_check_fires(name):
-    points, cells = BAD[name]
+@pytest.mark.parametrize("identifier", BAD)
+def test_each_check_fires(identifier):
+    points, cells = BAD[identifier]
     mesh = VolumeMesh.from_arrays(np.array(points, float), np.array(cells), name="my model")
-    failed = [check.name for check in check_mesh(mesh) if not check.holds]
-    assert name in failed
-    with pytest.raises(MeshError, match=f"my model: .*{name}"):
-        require_sound(mesh)
+    failed = {check.id: check for check in check_mesh(mesh) if not check.holds}
+    assert identifier in failed
+    measured = mesh.measurement
+    assert not measured.is_sound
+    assert measured.is_conforming == (not CONFORMITY & set(failed))
+    with pytest.raises(MeshError, match=f"my model: .*{failed[identifier].name}"):
+        measured.require_sound()
     with pytest.raises(SimulationError, match="the mesh of 'my model' cannot be simulated on"):
-        to_mfem(mesh)
+        mesh.to_mfem()
+
+
+def test_a_mesh_remembers_what_is_known_about_it():
+    mesh = VolumeMesh.from_arrays(np.array(SQUARE), [[0, 1, 2, 3]])
+    for name in ("facets", "boundary", "jacobians", "volumes", "measurement"):
+        assert getattr(mesh, name) is getattr(mesh, name)
+    assert mesh.measurement.checks is mesh.measurement.checks
+    assert mesh.measurement.is_manifold
+    assert mesh.measurement.smallest_scaled_jacobian == mesh.measurement.volume == 1
 
 
 def test_flat_elements_are_found():
@@ -86,7 +97,7 @@ def test_flat_elements_are_found():
 def test_betti_numbers_by_hand(picked, expected, tmp_path):
     mesh = VolumeMesh.from_arrays(*lattice((3, 3), picked), name="by hand")
     assert betti_by_euler(mesh) == betti_by_boundary(mesh) == expected
-    native = to_mfem(mesh)
+    native = mesh.to_mfem()
     n_edges = native.GetNEdges()
     assert native.GetNV() - n_edges + native.GetNE() == expected[0] - expected[1]
     path = tmp_path / "mesh.vtu"

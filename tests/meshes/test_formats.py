@@ -8,7 +8,7 @@ import pytest
 from fields import noise_mesh
 
 from tusqh.errors import MeshError
-from tusqh.meshes.boundary import SIDES, find_boundary
+from tusqh.meshes.boundary import SIDES
 from tusqh.meshes.facets import HEX_FACETS
 from tusqh.meshes.formats import write_mesh
 from tusqh.meshes.volume_mesh import VolumeMesh
@@ -26,7 +26,7 @@ def padded(points):
 
 
 def test_facets_face_the_side_of_their_attribute(mesh):
-    boundary = find_boundary(mesh)
+    boundary = mesh.boundary
     centre = mesh.points[mesh.cells].mean(axis=1)[boundary.element]
     away = mesh.points[boundary.corners].mean(axis=1) - centre
     for axis in range(mesh.dim):
@@ -47,7 +47,7 @@ def test_mfem_reads_its_own_format(mesh, tmp_path):
     native = mfem.Mesh(str(tmp_path / "mesh.mesh"), 1, 0, False)
     assert (native.GetNV(), native.GetNE()) == (len(mesh.points), mesh.n_cells)
     assert native.CheckElementOrientation(False) == 0
-    boundary = find_boundary(mesh)
+    boundary = mesh.boundary
     assert native.GetNBE() == len(boundary.corners)
     attributes = [native.GetBdrAttribute(k) for k in range(native.GetNBE())]
     assert sorted(attributes) == sorted(boundary.attribute.tolist())
@@ -71,7 +71,7 @@ def test_exodus_has_side_sets(mesh, tmp_path):
     back = meshio.read(tmp_path / "mesh.exo")
     assert np.allclose(back.points, padded(mesh.points), rtol=0, atol=0)
     assert np.array_equal(back.cells[0].data, mesh.cells)
-    boundary = find_boundary(mesh)
+    boundary = mesh.boundary
     faces = [(1, 2, 6, 5), (2, 3, 7, 6), (3, 4, 8, 7), (4, 1, 5, 8), (1, 4, 3, 2), (5, 6, 7, 8)]
     sides = [(1, 2), (2, 3), (3, 4), (4, 1)] if mesh.dim == 2 else faces
     with netCDF4.Dataset(tmp_path / "mesh.exo") as file:
@@ -101,7 +101,7 @@ def test_meshio_reads_abaqus(mesh, tmp_path):
             element, side = line.split(", S")
             corners = mesh.cells[int(element) - 1][np.array(sides[int(side) - 1]) - 1]
             found[tuple(sorted(corners.tolist()))] = SIDES.index(name) + 1
-    boundary = find_boundary(mesh)
+    boundary = mesh.boundary
     keys = map(tuple, np.sort(boundary.corners, axis=1).tolist())
     assert found == dict(zip(keys, boundary.attribute.tolist(), strict=True))
 

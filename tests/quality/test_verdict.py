@@ -5,9 +5,9 @@ from tusqh.meshes.jacobians import corner_jacobians
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.quality import system_libraries
 from tusqh.quality.elements import element_metrics, summarise_metrics
-from tusqh.quality.surface import surface_measures
+from tusqh.quality.surface import judge_surface, surface_measures
 from tusqh.quality.system_libraries import SystemLibraryError
-from tusqh.quality.verdict import judge_mesh, judge_surface, overall, to_table
+from tusqh.quality.verdict import judge_mesh, overall, to_table
 from tusqh.topology.betti_numbers import BettiNumbers
 
 
@@ -72,7 +72,7 @@ def test_overlapping_elements_are_found():
     points = np.array([[0.0, 0], [2, 0], [2, 2], [0, 2], [1, 0.5], [3, 0.5], [3, 1.5], [1, 1.5]])
     mesh = VolumeMesh.from_arrays(points, [[0, 1, 2, 3], [4, 5, 6, 7]])
     table = to_table(judge_mesh(mesh, BettiNumbers(2, 0), element_metrics(mesh)))
-    assert table[table["holds"] == "no"]["name"].tolist() == ["share of the area covered twice"]
+    assert table[table["holds"] == "no"]["id"].tolist() == ["overlap"]
 
 
 def test_a_missing_system_library_costs_pymeshlabs_rows_only(monkeypatch):

@@ -32,8 +32,8 @@ from tusqh.antialias.clusters import decide_by_vote
 from tusqh.antialias.pinches import find_pinches
 from tusqh.antialias.resolve import resolve
 from tusqh.grid import BackgroundGrid
-from tusqh.meshes.checks import find_non_manifold_points
 from tusqh.meshes.facets import find_facets
+from tusqh.meshes.manifold import find_non_manifold_points
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.sampling.fractions import VolumeFractions, round_fractions
 from tusqh.simulate.operators import assemble

@@ -6,7 +6,7 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
 from tusqh.geometry.read import read_outline
 from tusqh.meshes.betti import betti_by_boundary
-from tusqh.quality.rows import VERIFICATION_COLUMNS, verification_row
+from tusqh.quality.verification import VERIFICATION_COLUMNS, verify_mesh
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.layout import lay_grid
 from tusqh.settings.policy import Criteria, Policy
@@ -31,7 +31,7 @@ def test_predicted_topology_is_measured_topology(fractions, threshold, min_cells
     policy = Policy(bridges=bridges, components=Criteria(min_cells=min_cells))
     cells = CellSets(fractions, policy).at(threshold)
     mesh = build_mesh(cells, fractions.grid, name="chesapeake").mesh
-    row = verification_row(mesh, cells, grid=fractions.grid.label)
+    row = verify_mesh(mesh, cells, grid=fractions.grid.label)
     assert list(row) == VERIFICATION_COLUMNS
     assert row["holds"]
     assert row["grid"] == "60x79"

@@ -17,10 +17,8 @@ from tusqh.antialias.templates_2d import emit_quads
 from tusqh.antialias.templates_3d import emit_hexes
 from tusqh.errors import MeshError
 from tusqh.grid import BackgroundGrid, BoolArray, IntArray
-from tusqh.meshes.betti import betti_by_euler
-from tusqh.meshes.checks import find_non_manifold_points
 from tusqh.meshes.facets import find_facets
-from tusqh.meshes.jacobians import element_volumes
+from tusqh.meshes.manifold import find_non_manifold_points
 from tusqh.meshes.volume_mesh import GRID_CELL, VolumeMesh
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.topology.betti_numbers import BettiNumbers
@@ -109,11 +107,11 @@ def _accept(
     except MeshError:
         return None
     n_joining = before.predicted.betti_0 - after.predicted.betti_0
-    was = betti_by_euler(mesh)
+    was = mesh.measurement.by_euler
     expected = BettiNumbers(
         was.betti_0 - n_joining, was.betti_1 + len(bridges) - n_joining, was.betti_2
     )
-    return Resolved(joined, after, n_rounds) if betti_by_euler(joined) == expected else None
+    return Resolved(joined, after, n_rounds) if joined.measurement.by_euler == expected else None
 
 
 def resolve(
@@ -219,9 +217,9 @@ def describe_mesh(resolved: Resolved, fractions: VolumeFractions) -> dict[str, A
         "bridges": cells.n_bridges,
         "removed_components": n_removed,
         "filled_holes": len(cells.dropped) - n_removed,
-        "volume": float(element_volumes(mesh.points, mesh.cells).sum()),
+        "volume": mesh.measurement.volume,
         "winding_volume": fractions.volume(),
         "closing_rounds": resolved.closing_rounds,
         "betti_predicted": list(cells.predicted),
-        "betti_measured": list(betti_by_euler(mesh)),
+        "betti_measured": list(mesh.measurement.by_euler),
     }

@@ -24,14 +24,13 @@ def check(mesh: Annotated[Path, typer.Argument(help="A .vtu file of quads or hex
     * `tusqh check results/chesapeake/mesh.vtu`
     """
     from tusqh.certificate import FILE_NAME, check_certificate, read_predicted
-    from tusqh.meshes.betti import betti_by_euler
     from tusqh.meshes.export import read_vtu
     from tusqh.quality.elements import element_metrics
     from tusqh.quality.verdict import judge_mesh, overall, to_table
 
     volume_mesh = read_vtu(mesh)
     certificate = mesh.parent / FILE_NAME
-    measured = betti_by_euler(volume_mesh)
+    measured = volume_mesh.measurement.by_euler
     expected = read_predicted(certificate) if certificate.is_file() else measured
     checks = judge_mesh(volume_mesh, expected, element_metrics(volume_mesh))
     if certificate.is_file():

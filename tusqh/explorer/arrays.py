@@ -22,8 +22,6 @@ from tusqh.geometry.files import Geometry
 from tusqh.geometry.image import Image
 from tusqh.geometry.outline import Outline
 from tusqh.grid import BackgroundGrid, FloatArray, IntArray
-from tusqh.meshes.facets import find_facets
-from tusqh.meshes.jacobians import corner_jacobians
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.fractions import VolumeFractions
@@ -171,7 +169,7 @@ def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid) -> Arrays:
     if mesh.dim == 2:
         corners, first, second = mesh.cells, np.arange(n), np.arange(n)
     else:
-        facets = find_facets(mesh.cells)
+        facets = mesh.facets
         ordered = np.argsort(facets.unique, kind="stable")
         starts = np.cumsum(facets.n_cells_of) - facets.n_cells_of
         row = ordered[starts]
@@ -183,7 +181,7 @@ def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid) -> Arrays:
         if n > CUT_ELEMENTS:
             shown = np.setdiff1d(shown, np.flatnonzero(is_inner))
         corners, first, second = corners[shown], first[shown], second[shown]
-    quality = corner_jacobians(mesh.points, mesh.cells)[1].min(axis=1)
+    quality = mesh.jacobians.scaled.min(axis=1)
     arrays = {
         "points": points.astype(np.float32),
         "corners": np.column_stack([_steps(corners[:, 0]), corners[:, 1:] - corners[:, :1]]),

@@ -11,7 +11,6 @@ from tusqh.figures import style
 from tusqh.figures.rendering import polydata_of, render, show, surface_of
 from tusqh.geometry.image import Image
 from tusqh.geometry.soup import Soup
-from tusqh.meshes.betti import betti_by_euler
 from tusqh.meshes.volume_mesh import VolumeMesh
 
 
@@ -51,7 +50,7 @@ def draw_panels(
             panel.set_axis_off()
             panel.set_title(title + "no cell", fontsize=9)
             continue
-        betti = betti_by_euler(mesh)
+        betti = mesh.measurement.by_euler
         numbers = ", ".join(rf"$\beta_{k}$ = {number}" for k, number in enumerate(betti))
         picture = render(
             surface_of(mesh),

@@ -7,8 +7,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from tusqh.grid import IntArray
-from tusqh.meshes.facets import Facets, count_edges, find_facets
-from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.meshes.element_mesh import ElementMesh
+from tusqh.meshes.facets import Facets, count_edges
 from tusqh.topology.betti_numbers import BettiNumbers
 
 
@@ -32,24 +32,24 @@ def count_components(groups: IntArray) -> int:
     return n_all - int(n - is_used.sum())
 
 
-def betti_by_euler(mesh: VolumeMesh) -> BettiNumbers:
+def betti_by_euler(mesh: ElementMesh) -> BettiNumbers:
     """Return the Betti numbers of a mesh from its components and Euler characteristic.
 
     Components are sets of elements that share points.  In 2D the holes follow from the Euler
     characteristic; in 3D the voids are the components of the boundary, less the outer ones, and
     the holes follow.
     """
-    facets = find_facets(mesh.cells)
+    facets = mesh.facets
     betti_0 = count_components(mesh.cells)
     n_points = len(np.unique(mesh.cells))
     if mesh.dim == 2:
         return BettiNumbers(betti_0, betti_0 - (n_points - facets.n_unique + mesh.n_cells))
     euler = n_points - count_edges(mesh.cells) + facets.n_unique - mesh.n_cells
-    betti_2 = count_components(facets.corners[facets.on_boundary]) - betti_0
+    betti_2 = count_components(facets.boundary) - betti_0
     return BettiNumbers(betti_0, betti_0 + betti_2 - euler, betti_2)
 
 
-def betti_by_boundary(mesh: VolumeMesh) -> BettiNumbers:
+def betti_by_boundary(mesh: ElementMesh) -> BettiNumbers:
     """Return the Betti numbers of a mesh from its boundary.
 
     Components are sets of elements that share facets; each has one outer boundary.  In 2D every
@@ -58,7 +58,7 @@ def betti_by_boundary(mesh: VolumeMesh) -> BettiNumbers:
 
     Examples
     --------
-    >>> import numpy as np
+    >>> from tusqh.meshes.volume_mesh import VolumeMesh
     >>> points = np.array([[x, y] for x in range(4) for y in range(4)], dtype=float)
     >>> corners = np.array([[i * 4 + j, i * 4 + j + 4, i * 4 + j + 5, i * 4 + j + 1]
     ...                     for i in range(3) for j in range(3) if (i, j) != (1, 1)])
@@ -66,12 +66,11 @@ def betti_by_boundary(mesh: VolumeMesh) -> BettiNumbers:
     >>> str(betti_by_boundary(annulus)), str(betti_by_euler(annulus))
     ('(1, 1, 0)', '(1, 1, 0)')
     """
-    facets = find_facets(mesh.cells)
+    facets, boundary = mesh.facets, mesh.facets.boundary
     betti_0 = _count_by_facets(facets, mesh.n_cells)
-    boundary = facets.corners[facets.on_boundary]
     if mesh.dim == 2:
         return BettiNumbers(betti_0, count_components(boundary) - betti_0)
-    sides = find_facets(boundary)
+    sides = facets.boundary_edges
     n_surfaces = _count_by_facets(sides, len(boundary))
     euler = len(np.unique(boundary)) - sides.n_unique + len(boundary)
     return BettiNumbers(betti_0, n_surfaces - euler // 2, n_surfaces - betti_0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -50,10 +51,20 @@ class Facets:
         """Number of different facets."""
         return len(self.n_cells_of)
 
-    @property
+    @cached_property
     def on_boundary(self) -> BoolArray:
         """For every row, whether no other element has that facet."""
         return np.asarray(self.n_cells_of[self.unique] == 1)
+
+    @cached_property
+    def boundary(self) -> IntArray:
+        """Points of the boundary facets, facing outwards, shape (n_boundary, 2**(dim - 1))."""
+        return self.corners[self.on_boundary]
+
+    @cached_property
+    def boundary_edges(self) -> Facets:
+        """The edges of the boundary faces of hexes, one row for each edge of each face."""
+        return find_facets(self.boundary)
 
 
 def find_facets(cells: IntArray) -> Facets:

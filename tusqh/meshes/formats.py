@@ -13,7 +13,7 @@ from tusqh.atomic import replacing, write_text
 from tusqh.errors import MeshError
 from tusqh.extras import require
 from tusqh.grid import IntArray
-from tusqh.meshes.boundary import SIDES, Boundary, find_boundary
+from tusqh.meshes.boundary import SIDES, Boundary
 from tusqh.meshes.export import write_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
 
@@ -46,7 +46,7 @@ def write_mesh(path: Path, mesh: VolumeMesh) -> None:
     if path.suffix == ".vtu":
         write_vtu(path, mesh)
     else:
-        _WRITERS[path.suffix](path, mesh, find_boundary(mesh))
+        _WRITERS[path.suffix](path, mesh, mesh.boundary)
 
 
 def require_format(path: Path) -> None:

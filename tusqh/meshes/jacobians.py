@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numba
 import numpy as np
 
 from tusqh.grid import FloatArray, IntArray
-from tusqh.meshes.facets import HEX_FACETS, find_facets
-from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.meshes.facets import HEX_FACETS
 
 #: Neighbours of every corner, ordered so that a valid element has positive determinants.
 QUAD_NEIGHBOURS: IntArray = np.array([[1, 3], [2, 0], [3, 1], [0, 2]], dtype=np.int64)
@@ -17,7 +18,22 @@ HEX_NEIGHBOURS: IntArray = np.array(
 )
 
 
-def corner_jacobians(points: FloatArray, cells: IntArray) -> tuple[FloatArray, FloatArray]:
+class Jacobians(NamedTuple):
+    """The Jacobians at the corners of elements.
+
+    Parameters
+    ----------
+    determinant
+        Determinants of the edges that leave each corner, shape (m, 2**dim), model units**dim.
+    scaled
+        The same with edges of unit length, dimensionless; NaN where an edge has no length.
+    """
+
+    determinant: FloatArray
+    scaled: FloatArray
+
+
+def corner_jacobians(points: FloatArray, cells: IntArray) -> Jacobians:
     """Return the Jacobian and the scaled Jacobian at every corner of every element.
 
     Parameters
@@ -29,10 +45,8 @@ def corner_jacobians(points: FloatArray, cells: IntArray) -> tuple[FloatArray, F
 
     Returns
     -------
-    jacobian
-        Determinants of the edges leaving each corner, shape (m, 2**dim), model units**dim.
-    scaled
-        The same with edges of unit length, dimensionless; NaN where an edge has no length.
+    jacobians
+        `determinant` and `scaled`.
 
     Examples
     --------
@@ -51,7 +65,7 @@ def corner_jacobians(points: FloatArray, cells: IntArray) -> tuple[FloatArray, F
         jacobian = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
         lengths = np.linalg.norm(a, axis=-1) * np.linalg.norm(b, axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return jacobian, jacobian / lengths
+        return Jacobians(jacobian, jacobian / lengths)
 
 
 @numba.njit(cache=True)
@@ -102,10 +116,17 @@ def element_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
     return np.asarray(volumes / 12)
 
 
-def enclosed_volume(mesh: VolumeMesh) -> float:
-    """Return the volume that the boundary of a hex mesh encloses, by the divergence theorem."""
-    facets = find_facets(mesh.cells)
-    corners = mesh.points[facets.corners[facets.on_boundary]] - mesh.points.mean(axis=0)
+def enclosed_volume(points: FloatArray, faces: IntArray) -> float:
+    """Return the volume that quad faces enclose, by the divergence theorem.
+
+    Parameters
+    ----------
+    points
+        Coordinates, shape (n, 3).
+    faces
+        Corners of a closed surface of quads that face outwards, shape (m, 4).
+    """
+    corners = points[faces] - points.mean(axis=0)
     a, b, c, d = np.moveaxis(corners, 1, 0)
     triangles = [(a, b, c), (a, c, d), (a, b, d), (b, c, d)]
     return float(sum(np.einsum("mi,mi->", p, np.cross(q, r)) for p, q, r in triangles) / 12)

@@ -8,25 +8,31 @@ import numpy as np
 
 from tusqh.errors import MeshError, SimulationError
 from tusqh.extras import require
-from tusqh.meshes.checks import require_sound
-from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.meshes.element_mesh import ElementMesh
+from tusqh.meshes.measure import Measurement
 
 
-def to_mfem(mesh: VolumeMesh) -> Any:
-    """Return the `mfem.ser.Mesh` of a mesh of quads or hexes.
+def to_mfem(measured: Measurement) -> Any:
+    """Return the `mfem.ser.Mesh` of a measured mesh of quads or hexes.
 
-    MFEM accepts pinched, inverted, flat and orphaned input without a word and can crash the
-    process on a bad index, so `require_sound` comes first.
+    MFEM accepts pinched, inverted, flat and orphaned input silently and can crash the process on
+    a bad index, so the mesh must be sound.
+
+    Parameters
+    ----------
+    measured
+        The measurement of the mesh.
 
     Raises
     ------
     SimulationError
         Our checks or MFEM reject the mesh; the message names the model.
     """
+    mesh = measured.mesh
     if mesh.n_cells == 0:
         raise _rejected(mesh, "it has no elements")
     try:
-        require_sound(mesh)
+        measured.require_sound()
     except MeshError as reason:
         raise _rejected(mesh, reason.found) from reason
     try:
@@ -43,7 +49,7 @@ def to_mfem(mesh: VolumeMesh) -> Any:
     return native
 
 
-def _from_arrays(mesh: VolumeMesh) -> Any:
+def _from_arrays(mesh: ElementMesh) -> Any:
     """Return the MFEM mesh that owns a copy of the arrays; MFEM makes the boundary itself."""
     mfem = require("mfem.ser", extra="simulate")
 
@@ -59,20 +65,28 @@ def _from_arrays(mesh: VolumeMesh) -> Any:
     shape = mfem.Geometry.SQUARE if is_2d else mfem.Geometry.CUBE
     side = mfem.Geometry.SEGMENT if is_2d else mfem.Geometry.SQUARE
     borrowed = mfem.Mesh(
-        *(vertices.GetData(), len(mesh.points)),
-        *(corners.GetData(), shape, attributes.GetData(), mesh.n_cells),
-        *(none.GetData(), side, none.GetData(), 0),
-        *(mesh.dim, mesh.dim),
+        vertices.GetData(),
+        len(mesh.points),
+        corners.GetData(),
+        shape,
+        attributes.GetData(),
+        mesh.n_cells,
+        none.GetData(),
+        side,
+        none.GetData(),
+        0,
+        mesh.dim,
+        mesh.dim,
     )
     native = mfem.Mesh(borrowed, True)
     native.Finalize(False, False)
     return native
 
 
-def _rejected(mesh: VolumeMesh, why: str) -> SimulationError:
+def _rejected(mesh: ElementMesh, why: str) -> SimulationError:
     return SimulationError(
         f"the mesh of {mesh.name!r} cannot be simulated on: {why}",
         where=mesh.name,
         expected="a conforming, manifold mesh of valid elements",
-        remedy="look at the model's verdict.csv for the check that fails",
+        remedy="read the model's verdict.csv for the check that fails",
     )

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from tusqh.extras import require
 from tusqh.grid import FloatArray, IntArray
+from tusqh.meshes.element_mesh import ElementMesh
+from tusqh.meshes.measure import Measurement, measure
+from tusqh.meshes.mfem_mesh import to_mfem
 
 #: What an element is, by the number in `VolumeMesh.kind`.
 KINDS = ("grid cell", "inner cell", "separating template", "connecting template", "bridge")
@@ -16,7 +20,7 @@ GRID_CELL, INNER_CELL, SEPARATING, CONNECTING, BRIDGE = range(5)
 
 
 @dataclass(frozen=True)
-class VolumeMesh:
+class VolumeMesh(ElementMesh):
     """Quads in the plane or hexes in space.
 
     Parameters
@@ -39,15 +43,10 @@ class VolumeMesh:
     grid_cell: IntArray
     name: str = "mesh"
 
-    @property
-    def dim(self) -> int:
-        """Dimension of the mesh, 2 or 3."""
-        return int(self.points.shape[1])
-
-    @property
-    def n_cells(self) -> int:
-        """Number of elements."""
-        return len(self.cells)
+    @cached_property
+    def measurement(self) -> Measurement:
+        """Checks, Betti numbers, scaled Jacobians and volume."""
+        return measure(self)
 
     @classmethod
     def from_arrays(cls, points: FloatArray, cells: IntArray, *, name: str = "mesh") -> VolumeMesh:
@@ -97,6 +96,4 @@ class VolumeMesh:
         SimulationError
             Our checks or MFEM reject the mesh.
         """
-        from tusqh.meshes.mfem_mesh import to_mfem
-
-        return to_mfem(self)
+        return to_mfem(self.measurement)

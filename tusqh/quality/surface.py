@@ -1,15 +1,17 @@
-"""The mesh as a surface, seen by pymeshlab: a second opinion on topology."""
+"""The surface of a mesh, measured by pymeshlab: a second opinion on its topology."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from tusqh.extras import require
-from tusqh.meshes.facets import find_facets
+from tusqh.extras import MissingExtraError, require
+from tusqh.meshes.checks import Check
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.quality.system_libraries import SystemLibraryError, describe_missing
+from tusqh.topology.betti_numbers import BettiNumbers
 
 
 @dataclass(frozen=True)
@@ -17,7 +19,7 @@ class SurfaceMeasures:
     """What pymeshlab finds on a mesh: the quads of a 2D mesh, or the boundary of a 3D one.
 
     Quads are split into triangles.  Two flat elements that overlap are not a self-intersection
-    to pymeshlab, which looks for crossing triangles; `measure_overlap` finds those.
+    to pymeshlab, which looks for crossing triangles; `tusqh.quality.overlap` finds those.
     """
 
     non_manifold_edges: int
@@ -47,10 +49,7 @@ def surface_measures(mesh: VolumeMesh) -> SurfaceMeasures:
     try:
         pymeshlab = require("pymeshlab", extra="verdict")
         meshes = pymeshlab.MeshSet(verbose=False)
-        quads = mesh.cells
-        if mesh.dim == 3:
-            facets = find_facets(mesh.cells)
-            quads = facets.corners[facets.on_boundary]
+        quads = mesh.cells if mesh.dim == 2 else mesh.facets.boundary
         used, quads = np.unique(quads, return_inverse=True)
         quads = quads.reshape(-1, 4)
         points = np.zeros((len(used), 3))
@@ -78,18 +77,51 @@ def surface_measures(mesh: VolumeMesh) -> SurfaceMeasures:
     )
 
 
-def measure_overlap(mesh: VolumeMesh) -> float:
-    """Return the area that elements of a 2D mesh cover more than once, over their total area.
+def judge_surface(
+    mesh: VolumeMesh,
+    predicted: BettiNumbers,
+    measure: Callable[[VolumeMesh], object] = surface_measures,
+) -> list[Check]:
+    """Return pymeshlab's checks of the mesh as a surface.
 
-    Examples
-    --------
-    >>> import numpy as np
-    >>> points = np.array([[0.0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [3, 0], [3, 2], [1, 2]])
-    >>> measure_overlap(VolumeMesh.from_arrays(points, [[0, 1, 2, 3], [4, 5, 6, 7]]))
-    0.25
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    predicted
+        Betti numbers it must have.
+    measure
+        What measures the surface.
+
+    Returns
+    -------
+    checks
+        One per measure; "not run" where pymeshlab or a system library is missing.
     """
-    import shapely
-
-    quads = shapely.polygons(mesh.points[mesh.cells] - mesh.points[0])
-    total = float(shapely.area(quads).sum())
-    return (total - float(shapely.union_all(quads).area)) / total
+    required = {
+        "non_manifold_edges": 0,
+        "non_manifold_vertices": 0,
+        "self_intersecting_faces": 0,
+        "unreferenced_vertices": 0,
+        "connected_components": predicted.betti_0 + predicted.betti_2,
+        "boundary_loops": predicted.betti_0 + predicted.betti_1,
+    }
+    if mesh.dim == 3:  # The boundary of a volume is closed, and its handles are the holes.
+        required |= {"boundary_loops": 0, "genus": predicted.betti_1}
+    measures, missing = None, ""
+    try:
+        measures = measure(mesh)
+    except MissingExtraError as reason:
+        missing = f"not run: {reason.where} is not installed"
+    except SystemLibraryError as reason:
+        missing = f"not run: {reason.found}"
+    return [
+        Check(
+            id=f"pymeshlab_{key}",
+            name=f"{key.replace('_', ' ')} (pymeshlab)",
+            found=missing or getattr(measures, key),
+            required=str(value),
+            holds=None if missing else getattr(measures, key) == value,
+        )
+        for key, value in required.items()
+    ]

@@ -2,32 +2,31 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
+from collections.abc import Sequence
 
 import pandas as pd
 
+from tusqh.antialias.scheme import PINCH_TEMPLATES, Scheme
 from tusqh.errors import TusqhError
 from tusqh.extras import MissingExtraError
-from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
-from tusqh.meshes.checks import Check, check_mesh
-from tusqh.meshes.jacobians import corner_jacobians, element_volumes, enclosed_volume
+from tusqh.meshes.checks import Check
+from tusqh.meshes.jacobians import enclosed_volume
 from tusqh.meshes.volume_mesh import VolumeMesh
-from tusqh.quality.surface import measure_overlap, surface_measures
-from tusqh.quality.system_libraries import SystemLibraryError
+from tusqh.quality.overlap import measure_overlap
+from tusqh.quality.surface import judge_surface
 from tusqh.simulate.components import count_matrix_components
 from tusqh.topology.betti_numbers import BettiNumbers
 
-#: Smallest scaled Jacobian that the templates can make: the trapezoids of the 1-5 template on
-#: square cells, the frusta of the 1-7 template on cubic ones.
-SCALED_JACOBIAN = {2: math.sqrt(2) / 2, 3: 1 / math.sqrt(3)}
-
-#: Room for rounding in coordinates of 1e7 times the cell size.
-_ROUNDING = 1e-8
+#: Largest share of the area or volume that may be covered twice.
+_OVERLAP = 1e-9
 
 
 def judge_mesh(
-    mesh: VolumeMesh, predicted: BettiNumbers, element_metrics: pd.DataFrame | None
+    mesh: VolumeMesh,
+    predicted: BettiNumbers,
+    element_metrics: pd.DataFrame | None,
+    *,
+    scheme: Scheme = PINCH_TEMPLATES,
 ) -> list[Check]:
     """Return every check of a mesh, by our own count, VTK, pymeshlab and MFEM.
 
@@ -40,66 +39,65 @@ def judge_mesh(
     element_metrics
         VTK's metrics, see `tusqh.quality.elements.element_metrics`;
         None where VTK is not installed.
+    scheme
+        How the elements were made, which bounds their scaled Jacobians.
+
+    Returns
+    -------
+    checks
+        The checks of `tusqh.meshes.measure.Measurement`; the others only where all of these hold.
     """
-    checks = check_mesh(mesh)
-    if not all(check.holds for check in checks):
-        return checks
-    checks += [
-        _equal("Betti numbers by Euler characteristic", betti_by_euler(mesh), predicted),
-        _equal("Betti numbers by boundary", betti_by_boundary(mesh), predicted),
-        _at_least(
-            "smallest scaled Jacobian",
-            float(corner_jacobians(mesh.points, mesh.cells)[1].min()),
-            SCALED_JACOBIAN[mesh.dim],
+    measured = mesh.measurement
+    if not measured.is_sound:
+        return list(measured.checks)
+    return [
+        *measured.checks,
+        _equal(
+            "betti_by_euler", "Betti numbers by Euler characteristic", measured.by_euler, predicted
         ),
-        _vtk_jacobian(element_metrics, SCALED_JACOBIAN[mesh.dim]),
+        _equal("betti_by_boundary", "Betti numbers by boundary", measured.by_boundary, predicted),
+        _within(
+            "scaled_jacobian",
+            "smallest scaled Jacobian",
+            measured.smallest_scaled_jacobian,
+            scheme,
+            dim=mesh.dim,
+        ),
+        _vtk_jacobian(element_metrics, scheme, mesh.dim),
         _overlap(mesh),
         _matrix_components(mesh, predicted),
+        *judge_surface(mesh, predicted),
     ]
-    return checks + judge_surface(mesh, predicted)
 
 
-def judge_surface(
-    mesh: VolumeMesh,
-    predicted: BettiNumbers,
-    measure: Callable[[VolumeMesh], object] = surface_measures,
-) -> list[Check]:
-    """Return pymeshlab's view of the mesh as a surface; "not run" where it cannot be had."""
-    required = {
-        "non_manifold_edges": 0,
-        "non_manifold_vertices": 0,
-        "self_intersecting_faces": 0,
-        "unreferenced_vertices": 0,
-        "connected_components": predicted.betti_0 + predicted.betti_2,
-        "boundary_loops": predicted.betti_0 + predicted.betti_1,
-    }
-    if mesh.dim == 3:  # The boundary of a volume is closed, and its handles are the holes.
-        required |= {"boundary_loops": 0, "genus": predicted.betti_1}
-    names = {key: f"{key.replace('_', ' ')} (pymeshlab)" for key in required}
-    try:
-        measures = measure(mesh)
-    except (MissingExtraError, SystemLibraryError) as reason:
-        return [
-            Check(names[key], _not_run(reason), str(value), None) for key, value in required.items()
-        ]
-    return [_equal(names[key], getattr(measures, key), value) for key, value in required.items()]
+def to_table(checks: Sequence[Check]) -> pd.DataFrame:
+    """Return checks as a table: id, name, found, required, holds (yes, no or not run).
 
-
-def to_table(checks: list[Check]) -> pd.DataFrame:
-    """Return checks as a table: name, found, required, holds (yes, no or not run)."""
+    Parameters
+    ----------
+    checks
+        The checks, in the order of the rows.
+    """
     words = {True: "yes", False: "no", None: "not run"}
     return pd.DataFrame(
-        [(c.name, str(c.found), c.required, words[c.holds]) for c in checks],
-        columns=["name", "found", "required", "holds"],
+        [(c.id, c.name, str(c.found), c.required, words[c.holds]) for c in checks],
+        columns=["id", "name", "found", "required", "holds"],
     )
 
 
 def overall(checks: pd.DataFrame) -> str:
     """Return the verdict over a table of checks: suitable, or how many checks fail or did not run.
 
+    Parameters
+    ----------
+    checks
+        See `to_table`.
+
     Examples
     --------
-    >>> overall(to_table([Check("a", 0, "0", True), Check("b", 1, "0", False)]))
+    >>> passed = Check(id="a", name="first", found=0, required="0", holds=True)
+    >>> failed = Check(id="b", name="second", found=1, required="0", holds=False)
+    >>> overall(to_table([passed, failed]))
     'not suitable: 1 check fails'
     """
     n_failed = int((checks["holds"] == "no").sum())
@@ -111,45 +109,65 @@ def overall(checks: pd.DataFrame) -> str:
     return f"suitable ({n_missing} not run)" if n_missing else "suitable"
 
 
-def _vtk_jacobian(metrics: pd.DataFrame | None, bound: float) -> Check:
-    name = "smallest scaled Jacobian by VTK"
+def _vtk_jacobian(metrics: pd.DataFrame | None, scheme: Scheme, dim: int) -> Check:
+    identifier, name = "scaled_jacobian_vtk", "smallest scaled Jacobian by VTK"
     if metrics is None:
-        return Check(name, "not run: VTK is not installed", f">= {bound:.6f}", None)
-    return _at_least(name, float(metrics["scaled_jacobian"].min(skipna=False)), bound)
+        return Check(
+            id=identifier,
+            name=name,
+            found="not run: VTK is not installed",
+            required=f">= {scheme.bounds[dim]:.6f}",
+            holds=None,
+        )
+    smallest = float(metrics["scaled_jacobian"].min(skipna=False))
+    return _within(identifier, name, smallest, scheme, dim=dim)
 
 
 def _matrix_components(mesh: VolumeMesh, predicted: BettiNumbers) -> Check:
-    name = "components of MFEM's matrix"
+    identifier, name = "matrix_components", "components of MFEM's matrix"
     try:
-        return _equal(name, count_matrix_components(mesh), predicted.betti_0)
+        found: object = count_matrix_components(mesh)
     except MissingExtraError as reason:
-        return Check(name, _not_run(reason), str(predicted.betti_0), None)
+        return Check(
+            id=identifier,
+            name=name,
+            found=f"not run: {reason.where} is not installed",
+            required=str(predicted.betti_0),
+            holds=None,
+        )
     except TusqhError as reason:
-        return _equal(name, f"rejected: {reason.found}", predicted.betti_0)
-
-
-def _not_run(reason: TusqhError) -> str:
-    if isinstance(reason, MissingExtraError):
-        return f"not run: {reason.where} is not installed"
-    return f"not run: {reason.found}"
+        found = f"rejected: {reason.found}"
+    return _equal(identifier, name, found, predicted.betti_0)
 
 
 def _overlap(mesh: VolumeMesh) -> Check:
     """Check that elements do not overlap; in 3D the boundary must enclose as much as they fill."""
     if mesh.dim == 2:
-        return _at_most("share of the area covered twice", measure_overlap(mesh), 1e-9)
-    filled = float(element_volumes(mesh.points, mesh.cells).sum())
-    share = abs(enclosed_volume(mesh) / filled - 1)
-    return _at_most("enclosed and filled volume, relative difference", share, 1e-9)
+        name, share = "share of the area covered twice", measure_overlap(mesh)
+    else:
+        name = "enclosed and filled volume, relative difference"
+        enclosed = enclosed_volume(mesh.points, mesh.facets.boundary)
+        share = abs(enclosed / mesh.measurement.volume - 1)
+    return Check(
+        id="overlap",
+        name=name,
+        found=f"{share:.1e}",
+        required=f"<= {_OVERLAP:g}",
+        holds=share <= _OVERLAP,
+    )
 
 
-def _equal(name: str, found: object, required: object) -> Check:
-    return Check(name, found, str(required), found == required)
+def _equal(identifier: str, name: str, found: object, required: object) -> Check:
+    return Check(
+        id=identifier, name=name, found=found, required=str(required), holds=found == required
+    )
 
 
-def _at_least(name: str, found: float, required: float) -> Check:
-    return Check(name, f"{found:.6f}", f">= {required:.6f}", found >= required - _ROUNDING)
-
-
-def _at_most(name: str, found: float, required: float) -> Check:
-    return Check(name, f"{found:.1e}", f"<= {required:g}", found <= required)
+def _within(identifier: str, name: str, found: float, scheme: Scheme, *, dim: int) -> Check:
+    return Check(
+        id=identifier,
+        name=name,
+        found=f"{found:.6f}",
+        required=f">= {scheme.bounds[dim]:.6f}",
+        holds=scheme.allows(found, dim),
+    )

@@ -9,7 +9,6 @@ import numpy as np
 
 from tusqh.extras import require
 from tusqh.grid import FloatArray, IntArray
-from tusqh.meshes.mfem_mesh import to_mfem
 from tusqh.meshes.volume_mesh import VolumeMesh
 
 
@@ -66,11 +65,11 @@ def assemble(mesh: VolumeMesh, *, refinements: int = 0, order: int = 1) -> Opera
     Raises
     ------
     SimulationError
-        The mesh is rejected, see `tusqh.meshes.mfem_mesh.to_mfem`.
+        The mesh is rejected, see `tusqh.meshes.volume_mesh.VolumeMesh.to_mfem`.
     """
     mfem = require("mfem.ser", extra="simulate")
 
-    native = to_mfem(mesh)
+    native = mesh.to_mfem()
     for _ in range(refinements):
         native.UniformRefinement()
     space = mfem.FiniteElementSpace(native, mfem.H1_FECollection(order, mesh.dim))

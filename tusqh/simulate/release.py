@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from tusqh.errors import SimulationError
 from tusqh.grid import FloatArray
-from tusqh.meshes.facets import HEX_FACETS, find_facets
+from tusqh.meshes.facets import HEX_FACETS
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.simulate.operators import Operators
 
@@ -88,8 +88,7 @@ def _require_inside(mesh: VolumeMesh, place: FloatArray) -> None:
 
 def _deepest_point(mesh: VolumeMesh) -> FloatArray:
     """Return the centre of the element that is farthest from the boundary."""
-    facets = find_facets(mesh.cells)
-    boundary = np.unique(facets.corners[facets.on_boundary])
+    boundary = np.unique(mesh.facets.boundary)
     centres = mesh.points[mesh.cells].mean(axis=1)
     distance, _ = cKDTree(mesh.points[boundary]).query(centres)
     return np.asarray(centres[int(distance.argmax())])

@@ -6,7 +6,7 @@ from provenance.record import recorded
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
 from tusqh.meshes.export import write_vtu
-from tusqh.quality.rows import verification_row
+from tusqh.quality.verification import verify_mesh
 from tusqh.sampling.io import load_fractions
 from tusqh.settings.policy import Policy
 from tusqh.tables import write_csv
@@ -19,7 +19,7 @@ with recorded(snakemake) as log:
         cells = cell_sets.at(threshold)
         resolved = build_mesh(cells, fractions.grid, name=snakemake.wildcards.model)
         write_vtu(Path(path), resolved.mesh)
-        row = verification_row(resolved.mesh, cells, grid=fractions.grid.label)
+        row = verify_mesh(resolved.mesh, cells, grid=fractions.grid.label)
         log.info("threshold %s: %s", threshold, "holds" if row["holds"] else "FAILS")
         rows.append(row)
     write_csv(Path(snakemake.output.verification), pd.DataFrame(rows))

@@ -4,14 +4,14 @@ from pathlib import Path
 import pandas as pd
 
 from provenance.record import recorded
-from tusqh.quality.rows import summary_row
+from tusqh.quality.summary import summarise_model
 from tusqh.tables import write_csv, write_markdown
 
 with recorded(snakemake) as log:
     kinds = ("facts", "verdicts", "amounts", "defects")
     files = zip(*(snakemake.input[kind] for kind in kinds), strict=True)
     summary = pd.DataFrame(
-        summary_row(json.loads(Path(facts).read_text()), *map(pd.read_csv, tables))
+        summarise_model(json.loads(Path(facts).read_text()), *map(pd.read_csv, tables))
         for facts, *tables in files
     )
     verification = pd.concat(map(pd.read_csv, snakemake.input.verifications), ignore_index=True)

@@ -1,0 +1,54 @@
+"""The summary over all models: one row per model."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pandas as pd
+
+from tusqh.quality.verdict import overall
+
+
+def summarise_model(
+    facts: dict[str, Any], verdict: pd.DataFrame, amount: pd.DataFrame, defects: pd.DataFrame
+) -> dict[str, Any]:
+    """Return one row of the summary over all models.
+
+    Parameters
+    ----------
+    facts
+        The facts that the mesh step wrote, see `tusqh.antialias.resolve.describe_mesh`.
+    verdict
+        The checks of the mesh.
+    amount
+        The table of the simulation's snapshots.
+    defects
+        The defects of the geometry; where a surface is balanced its signed volume is exact.
+    """
+    count = dict(zip(defects["defect"], defects["count"], strict=True))
+    winding_over_exact = float("nan")
+    if count.get("unbalanced_edges") == 0:
+        exact = float(defects.loc[defects["defect"] == "signed_volume", "measure"].iloc[0])
+        winding_over_exact = facts["winding_volume"] / abs(exact)
+    found = dict(zip(verdict["id"], verdict["found"], strict=True))
+    return {
+        "model": facts["model"],
+        "grid": facts["grid"],
+        "cells": facts["cells_kept"],
+        "elements": facts["elements"],
+        "threshold": facts["threshold"],
+        "margin": facts["margin"],
+        "betti_predicted": str(tuple(facts["betti_predicted"])),
+        "betti_measured": str(tuple(facts["betti_measured"])),
+        "pinches": facts["pinches"],
+        "pinch_clusters": facts["pinch_clusters"],
+        "clusters_overruled": facts["clusters_overruled"],
+        "bridges": facts["bridges"],
+        "removed_components": facts["removed_components"],
+        "filled_holes": facts["filled_holes"],
+        "volume_over_winding": facts["volume"] / facts["winding_volume"],
+        "winding_over_exact": winding_over_exact,
+        "min_scaled_jacobian": float(found.get("scaled_jacobian", "nan")),
+        "amount_relative_error": float(amount["amount_relative_error"].abs().max()),
+        "verdict": overall(verdict),
+    }
