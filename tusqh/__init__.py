@@ -1,22 +1,36 @@
-"""Volume-fraction quad and hex meshes with a chosen topology, from geometry nobody repaired.
+"""Quad and hex meshes with a chosen topology, from geometry that nobody has repaired.
 
-`tusqh.mesh` makes a mesh in one call.  Importing the package imports nothing else: names are
-found when they are used.
+`tusqh.mesh` makes a mesh in one call.  Importing the package imports nothing else: a public name
+is imported when it is first used.  `docs/public.md` says what is stable.
 """
 
 from importlib import import_module
 from typing import Any
 
+#: The one home of the version: `pyproject.toml` reads it from here.
 __version__ = "0.1.0"
 
-__all__ = ["Result", "TusqhError", "__version__", "mesh"]
-
-#: Where the public names are; `__init__.pyi` has them for type checkers.
+#: Where each public name is defined; `__init__.pyi` says the same to type checkers.
 _MODULES = {
+    "Image": "tusqh.geometry.image",
+    "Outline": "tusqh.geometry.outline",
     "Result": "tusqh.pipeline.result",
+    "Soup": "tusqh.geometry.soup",
     "TusqhError": "tusqh.errors",
+    "VolumeMesh": "tusqh.meshes.volume_mesh",
     "mesh": "tusqh.pipeline.mesh",
 }
+
+__all__ = [
+    "Image",
+    "Outline",
+    "Result",
+    "Soup",
+    "TusqhError",
+    "VolumeMesh",
+    "__version__",
+    "mesh",
+]
 
 
 def __getattr__(name: str) -> Any:

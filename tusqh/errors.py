@@ -1,17 +1,29 @@
-"""Errors that tell a user what was found, where, what was expected and what to do next."""
+"""Errors that say what was found, where, what was expected and what to do next."""
 
 from __future__ import annotations
 
+__all__ = [
+    "ConfigError",
+    "GeometryError",
+    "MeshError",
+    "OutputError",
+    "ProvenanceError",
+    "SamplingError",
+    "SimulationError",
+    "TopologyError",
+    "TusqhError",
+]
+
 
 class TusqhError(Exception):
-    """Something the user can mend; every part of the message is required.
+    """An error that the user can fix.  All four parts of the message are required.
 
     Parameters
     ----------
     found
         What is wrong, in a sentence without a full stop.
     where
-        The file, model, key or cell it was found in.
+        The file, model, key or cell in which it was found.
     expected
         What would have been right.
     remedy
@@ -38,7 +50,7 @@ class TusqhError(Exception):
 
 
 class ConfigError(TusqhError):
-    """The configuration asks for something that does not exist or is out of range."""
+    """The settings name something that does not exist, or a value is out of range."""
 
 
 class OutputError(TusqhError):
@@ -50,11 +62,11 @@ class GeometryError(TusqhError):
 
 
 class SamplingError(TusqhError):
-    """Grid, window or sample counts do not fit the geometry."""
+    """The grid, the window or the number of samples does not fit the geometry."""
 
 
 class TopologyError(TusqhError):
-    """The wanted topology cannot be had."""
+    """No threshold produces the requested topology."""
 
 
 class MeshError(TusqhError):
@@ -62,8 +74,8 @@ class MeshError(TusqhError):
 
 
 class SimulationError(TusqhError):
-    """A simulation cannot be set up, or did not converge."""
+    """A simulation cannot be set up, or it did not converge."""
 
 
 class ProvenanceError(TusqhError):
-    """Results, records and lock do not allow what was asked for."""
+    """Results, records and lock do not permit the requested operation."""

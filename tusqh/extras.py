@@ -7,6 +7,8 @@ from types import ModuleType
 
 from tusqh.errors import TusqhError
 
+__all__ = ["MissingExtraError", "require"]
+
 
 class MissingExtraError(TusqhError):
     """A library that only some features need is not installed."""

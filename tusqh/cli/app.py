@@ -5,9 +5,11 @@ from __future__ import annotations
 import warnings
 from importlib import import_module
 from importlib.util import find_spec
+from typing import Annotated
 
 import typer
 
+import tusqh
 from tusqh.cli.add import add
 from tusqh.cli.check import check
 from tusqh.cli.inspect import inspect
@@ -17,8 +19,15 @@ from tusqh.cli.show import report_error
 from tusqh.cli.view import view
 from tusqh.errors import TusqhError
 
+
+def _print_version(is_wanted: bool) -> None:
+    if is_wanted:
+        typer.echo(f"tusqh {tusqh.__version__}")
+        raise typer.Exit
+
+
 app = typer.Typer(
-    help="Meshes with the topology you ask for, from geometry nobody repaired.",
+    help="Meshes with the topology you ask for, from geometry that nobody has repaired.",
     no_args_is_help=True,
     rich_markup_mode="markdown",
     add_completion=False,
@@ -26,6 +35,18 @@ app = typer.Typer(
 )
 for command in (mesh, inspect, view, check, add):
     app.command()(command)
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Print the version and exit.", callback=_print_version, is_eager=True
+        ),
+    ] = False,
+) -> None:
+    """Handle the options that stand before a command."""
 
 
 def _add_workflow_commands() -> None:
@@ -41,9 +62,9 @@ _add_workflow_commands()
 
 
 def main() -> None:
-    """Run the command line; errors that a user can mend are messages, not tracebacks."""
+    """Run the command line; errors that a user can fix are messages, not tracebacks."""
     catch_signals()
-    # Numba says on every run that it does not use a library which is not needed.
+    # Numba warns on every run about an optional library that it does not find.
     warnings.filterwarnings("ignore", message=".*TBB threading layer.*")
     try:
         app()

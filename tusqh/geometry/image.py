@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from tusqh.errors import GeometryError
 from tusqh.grid import FloatArray
 
+__all__ = ["Image"]
+
 
 @dataclass(frozen=True)
 class Image:

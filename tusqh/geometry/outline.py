@@ -9,6 +9,8 @@ import numpy as np
 from tusqh.errors import GeometryError
 from tusqh.grid import FloatArray, IntArray
 
+__all__ = ["Outline"]
+
 
 @dataclass(frozen=True)
 class Outline:

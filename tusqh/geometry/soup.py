@@ -10,6 +10,8 @@ from tusqh.errors import GeometryError
 from tusqh.geometry.boundary_chain import match_points
 from tusqh.grid import FloatArray, IntArray
 
+__all__ = ["Soup"]
+
 
 @dataclass(frozen=True)
 class Soup:

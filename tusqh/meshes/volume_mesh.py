@@ -14,6 +14,8 @@ from tusqh.meshes.element_mesh import ElementMesh
 from tusqh.meshes.measure import Measurement, measure
 from tusqh.meshes.mfem_mesh import to_mfem
 
+__all__ = ["VolumeMesh"]
+
 #: What an element is, by the number in `VolumeMesh.kind`.
 KINDS = ("grid cell", "inner cell", "separating template", "connecting template", "bridge")
 GRID_CELL, INNER_CELL, SEPARATING, CONNECTING, BRIDGE = range(5)

@@ -19,6 +19,8 @@ from tusqh.sampling.field import TOLERANCE, Sampler
 from tusqh.sampling.fractions import Domain, Orientation, Rule
 from tusqh.settings.policy import BridgeMode, MixedPinches
 
+__all__ = ["mesh"]
+
 
 def mesh(
     source: Any,

@@ -23,6 +23,8 @@ from tusqh.tables import write_csv
 from tusqh.threshold.select import Selection
 from tusqh.topology.betti_numbers import BettiNumbers
 
+__all__ = ["Report", "Result"]
+
 
 def count_pinches(n: int) -> str:
     """Return a number of pinches in words.
