@@ -15,7 +15,7 @@ from tusqh.meshes.checks import check_mesh
 from tusqh.meshes.jacobians import corner_jacobians, element_volumes
 from tusqh.topology.effective import effective_betti
 
-#: The bound of the algorithm notes on cubic cells.
+#: The bound of algorithm 4.5 on cubic cells.
 BOUND = 1 / np.sqrt(3) - 1e-12
 N_FIELDS = 2000
 POLICIES = ("separate", "connect", "majority")

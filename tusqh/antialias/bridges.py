@@ -1,6 +1,6 @@
 r"""Bridges that join an archipelago along edges whose sub-cells are interior.
 
-Paper: Anti-aliasing, "for resolving archipelagos"; algorithm notes 5.  Two kinds:
+Paper: Anti-aliasing, "for resolving archipelagos"; algorithm 5.  Two kinds:
 
 * A *path* of grid edges that runs through empty cells from one component to another; all its
   edges, and the vertices between them, are interior (``F >= threshold``).

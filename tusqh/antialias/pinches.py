@@ -50,7 +50,7 @@ def pinch_table(dim: int) -> BoolArray:
     """Return, for every neighbourhood code, whether its vertex is a pinch.
 
     A vertex is a pinch when its kept cells, or its empty cells, are not connected through
-    shared faces within the neighbourhood (algorithm notes 4.1).  In 2D these are the two
+    shared faces within the neighbourhood (algorithm 4.1).  In 2D these are the two
     diagonals:
 
     >>> pinch_table(2).nonzero()[0].tolist()
@@ -66,7 +66,7 @@ def pinch_table(dim: int) -> BoolArray:
 def template_tables() -> tuple[BoolArray, BoolArray]:
     """Return, for every 3D code, whether separating and whether connecting acts on the vertex.
 
-    Where it does not, the pinch edges at the vertex do all the work (algorithm notes 4.3).
+    Where it does not, the pinch edges at the vertex do all the work (algorithm 4.3).
 
     >>> [int(table.sum()) for table in template_tables()]
     [92, 92]

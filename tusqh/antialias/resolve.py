@@ -125,7 +125,7 @@ def resolve(
     """Return the manifold mesh of kept cells and the rounds of closing that it took.
 
     Closing frees grid vertices that are squeezed between two templates: they join with the
-    decision of the nearest pinch (algorithm notes 4.4).
+    decision of the nearest pinch (algorithm 4.4).
 
     Parameters
     ----------

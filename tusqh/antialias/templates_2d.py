@@ -11,7 +11,7 @@ r"""The 1-5 template: quads split into an inner cell and four trapezoids, some o
     0-----------1
 
 Outer sides of split cells stay whole, so that cells around them conform.
-Source: the paper's 1-5 split, with the rule of the algorithm notes 4.3.
+Source: the paper's 1-5 split, with the rule of algorithm 4.3.
 """
 
 from __future__ import annotations

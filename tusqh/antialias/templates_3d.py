@@ -1,6 +1,6 @@
 r"""The 1-7 and 2-6 templates: hexes split into an inner cell and frusta, some of which go.
 
-The rule of `templates_2d` in space (paper: the 1-7 and 2-6 splits; algorithm notes 4.3).  The
+The rule of `templates_2d` in space (paper: the 1-7 and 2-6 splits; algorithm 4.3).  The
 *acting* side is the kept cells where a pinch separates and the empty cells where it connects; the
 children that separating removes are those that connecting adds.  Acting cells at a decided
 vertex or pinch edge are split: an inner cell, inset by a quarter, and one frustum per face.

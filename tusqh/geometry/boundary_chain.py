@@ -2,7 +2,7 @@
 
 Triangles add up their directed edges, segments their end points, after matching coordinates that
 are equal in every bit.  What does not cancel is all that the winding number sees of gaps, flips
-and copies (algorithm notes 1).
+and copies (algorithm 1).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Checks that a mesh must pass before anything is computed on it (algorithm notes 6).
+"""Checks that a mesh must pass before anything is computed on it (algorithm 6).
 
 MFEM accepts pinched, inverted, flat and orphaned input silently, and an index out of range can
 crash the process, so these come first.

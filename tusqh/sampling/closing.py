@@ -2,7 +2,7 @@ r"""Split a geometry into a closed cycle and a small cap: ``soup = cycle + cap``
 
 The boundary of the soup is a 1-cycle with integer multiplicities; any chain of triangles with the
 same boundary is a cap.  The winding number of ``soup - cap`` is an integer everywhere, so that
-counting crossings is enough for it; all fractions of turns come from the cap (algorithm notes 1).
+counting crossings is enough for it; all fractions of turns come from the cap (algorithm 1).
 The smaller the cap, the cheaper:
 
 * a sheet with as many boundary edges as triangles is its own cap, nothing of it is closed;

@@ -2,7 +2,7 @@
 
 Along a lattice line the winding number of a closed cycle changes only where the line crosses it,
 so a crossing adds a run of samples to the half-blocks below it: whole blocks by a difference array,
-the one it ends in by itself, no sample is touched (algorithm notes 1).
+the one it ends in by itself, no sample is touched (algorithm 1).
 
 Which side of an edge a line passes is decided from the edge's lower to its upper end, whichever
 triangle asks, and ties go one way by half-open comparisons (the line is moved by an infinitesimal

@@ -1,6 +1,6 @@
 """The choice of a threshold, and the loop that proves it: predict, mesh, measure, or go on.
 
-Algorithm notes 3.  A user fixes the threshold, or asks for Betti numbers, for features that live
+Algorithm 3.  A user fixes the threshold, or asks for Betti numbers, for features that live
 long, or for the volume of the geometry.
 """
 

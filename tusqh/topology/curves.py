@@ -3,7 +3,7 @@
 Components are counted by one union-find.  The complement of a full subcomplex retracts onto the
 full subcomplex of the other nodes, so the components of those, less the outside, are the classes
 of the highest dimension: the same union-find on the complement.  The Euler characteristic is
-counted, and gives H_1 in 3D (algorithm notes 2).
+counted, and gives H_1 in 3D (algorithm 2).
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ they share a face (in 2D a side), or meet at a connected pinch; empty cells when
 face, or meet at a separated pinch.  Components of the first graph are the mesh's components;
 components of the second (with everything outside the grid as one) are its holes in 2D and its
 voids in 3D plus the outside, because the complement of a full subcomplex retracts onto the full
-subcomplex of the other nodes (algorithm notes 2).  Holes in 3D follow from the Euler
+subcomplex of the other nodes (algorithm 2).  Holes in 3D follow from the Euler
 characteristic.
 """
 
