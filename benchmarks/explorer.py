@@ -21,7 +21,7 @@ from scipy import ndimage
 import tusqh
 from tusqh.explorer.page import make_page
 from tusqh.explorer.subject import Subject, subject_of
-from tusqh.geometry.files import locate
+from tusqh.geometry.packaged import locate
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import VolumeFractions, round_fractions
 from tusqh.tables import write_csv

@@ -17,12 +17,13 @@ from scipy import ndimage
 from benchmarks.measure import FIELDS, Cost, compare, growth, measure
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
-from tusqh.geometry.files import locate, read_geometry
+from tusqh.geometry.packaged import locate
 from tusqh.grid import BackgroundGrid
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.meshes.checks import check_mesh
 from tusqh.meshes.jacobians import corner_jacobians
 from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.readers.files import read_file
 from tusqh.sampling.fractions import VolumeFractions, round_fractions, sample_fractions
 from tusqh.sampling.layout import lay_grid
 from tusqh.tables import write_csv
@@ -47,7 +48,7 @@ def white_noise(n: int) -> VolumeFractions:
 
 def bunny(n: int) -> VolumeFractions:
     """Return the fractions of the bunny with n cells along its longest side."""
-    geometry = read_geometry(locate(BUNNY))
+    geometry = read_file(locate(BUNNY)).geometry
     return sample_fractions(geometry, lay_grid(geometry, None, cells=n))
 
 

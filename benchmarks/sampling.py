@@ -21,10 +21,11 @@ import pandas as pd
 
 from benchmarks.measure import measure
 from tusqh.figures import style
-from tusqh.geometry.files import locate, read_geometry
 from tusqh.geometry.outline import Outline
+from tusqh.geometry.packaged import locate
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BackgroundGrid, FloatArray
+from tusqh.readers.files import read_file
 from tusqh.sampling.field import Geometry, make_field
 from tusqh.sampling.fractions import VolumeFractions, sample_fractions
 from tusqh.sampling.lattice import Lattice
@@ -65,7 +66,7 @@ FILES = {
 
 def damaged_bunny() -> Soup:
     """Return the bunny with a tenth of its triangles flipped and another tenth removed."""
-    bunny = read_geometry(locate(BUNNY))
+    bunny = read_file(locate(BUNNY)).geometry
     assert isinstance(bunny, Soup)
     rng = np.random.default_rng(0)
     triangles = bunny.triangles.copy()
@@ -76,7 +77,7 @@ def damaged_bunny() -> Soup:
 
 def exploded_bunny() -> Soup:
     """Return the bunny with every triangle shrunk by a tenth: every edge is a boundary."""
-    bunny = read_geometry(locate(BUNNY))
+    bunny = read_file(locate(BUNNY)).geometry
     assert isinstance(bunny, Soup)
     corners = bunny.points[bunny.triangles]
     middle = corners.mean(axis=1, keepdims=True)
@@ -107,7 +108,7 @@ MADE: dict[str, Callable[[], Geometry]] = {
 
 def geometry_of(name: str) -> Geometry:
     """Return the geometry of a case."""
-    return MADE[name]() if name in MADE else read_geometry(locate(FILES[name]))
+    return MADE[name]() if name in MADE else read_file(locate(FILES[name])).geometry
 
 
 def prepare(name: str, n: int) -> tuple[Geometry, BackgroundGrid]:

@@ -15,7 +15,7 @@ import pyproj
 import shapefile
 
 import tusqh
-from tusqh.geometry.files import locate
+from tusqh.geometry.packaged import locate
 
 STATES = "package:plotly-geo/package_data/cb_2016_us_state_500k.shp"
 

@@ -105,7 +105,7 @@ def test_arrays_in_the_plane_are_an_outline():
     defects = result.defects.set_index("defect")
     assert defects["count"]["open_chains"] == 1
     # One side of the outer square is missing: around it the winding number is below 1.
-    assert 0.5 < defects["length_or_width"]["winding_number_max"] <= 1
+    assert 0.5 < defects["measure"]["winding_number_max"] <= 1
 
 
 def test_the_workflow_gives_the_same_files(repository, tmp_path, torus):
@@ -186,14 +186,14 @@ def test_bad_arguments_are_explained(arguments, parts):
 @pytest.mark.parametrize(
     ("source", "message"),
     [
-        (3.5, "type float is no geometry"),
+        (3.5, "type float is not a geometry"),
         (np.zeros((4, 4)), r"shape \(4, 4\)"),
         (([[0, 0, 0]], [[0, 1]]), r"shapes \(1, 3\) and \(1, 2\)"),
         (([[0, 0, "x"]], [[0, 0, 0]]), "not numbers"),
         (([[0, 0, 1j]], [[0, 0, 0]]), "not numbers: points are complex"),
         (([[0, 0], [1, 0]], [[0, 5]]), "out of the range 0 .. 1"),
         (([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 7]]), "corners out of range"),
-        (([[0, 0], [1, 0]], [[0, 0.5]]), "no whole numbers"),
+        (([[0, 0], [1, 0]], [[0, 0.5]]), "not whole numbers"),
         (trimesh.Trimesh(), "no triangle"),
         ("no_such_file.stl", "no such file"),
     ],

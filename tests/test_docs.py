@@ -31,7 +31,15 @@ def test_the_documentation_builds_strictly_and_loads_nothing_from_elsewhere(repo
 def test_every_module_is_in_the_reference(repository):
     pages = "".join(p.read_text() for p in (repository / "docs/reference").glob("*.md"))
     named = re.findall(r"^::: (tusqh[\w.]*)", pages, re.MULTILINE)
-    for package in ("geometry", "sampling", "topology", "antialias", "threshold", "meshes"):
+    for package in (
+        "geometry",
+        "readers",
+        "sampling",
+        "topology",
+        "antialias",
+        "threshold",
+        "meshes",
+    ):
         assert f"tusqh.{package}" in named
     stages = sorted(p.stem for p in (repository / "tusqh/pipeline").glob("*.py"))
     for stage in stages:

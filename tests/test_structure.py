@@ -19,7 +19,7 @@ from packaging.requirements import Requirement
 from packaging.specifiers import SpecifierSet
 from packaging.version import Version
 
-from tusqh.geometry.files import PACKAGE, locate
+from tusqh.geometry.packaged import PACKAGE, locate
 
 #: Today's offenders against the limits below; lines may only be removed.
 OFFENDERS = Path(__file__).with_name("offenders.txt")

@@ -14,9 +14,9 @@ import yaml
 from tusqh.atomic import replacing
 from tusqh.config import load_config, read_yaml
 from tusqh.errors import ConfigError
-from tusqh.geometry.files import PACKAGE, locate
+from tusqh.geometry.packaged import PACKAGE, locate
 from tusqh.hashing import hash_file
-from tusqh.pipeline.ingest import describe, ingest
+from tusqh.pipeline.ingest import describe_geometry, ingest
 
 REGISTER = Path("data_sources/register.csv")
 SCHEMA = Path("workflow/schemas/config.schema.yaml")
@@ -76,7 +76,7 @@ def add_model(
     """
     root = config_file.resolve().parent.parent
     source = locate(geometry)
-    defects = describe(ingest(geometry, image=settings.get("image")))
+    defects = describe_geometry(ingest(geometry, image=settings.get("image")))
     file = _file_in(root, name, geometry, source)
     entry = {"geometry": file, **settings}
     before = read_yaml(config_file)

@@ -8,12 +8,12 @@ from tusqh.antialias import resolve as resolve_module
 from tusqh.antialias.bridges import ACCEPTED, NO_ROOM, REJECTED
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
-from tusqh.geometry.read import read_outline
 from tusqh.grid import BackgroundGrid
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.meshes.checks import check_mesh
 from tusqh.meshes.jacobians import corner_jacobians, element_volumes
 from tusqh.meshes.volume_mesh import BRIDGE
+from tusqh.readers.files import read_file
 from tusqh.sampling.fractions import VolumeFractions, sample_fractions
 from tusqh.sampling.layout import lay_grid
 from tusqh.settings.policy import Criteria, Policy
@@ -167,13 +167,13 @@ def test_a_bridge_that_the_mesh_rejects_is_left_out_and_reported(monkeypatch):
 
 def test_the_papers_wedge_is_one_piece_and_the_gap_is_open(repository):
     folder = repository / "data_sources/analytic"
-    wedge = read_outline(folder / "wedge.svg")
+    wedge = read_file(folder / "wedge.svg").geometry
     window = ((0.0, -20.0), (80.0, 2.0))
     grid = lay_grid(wedge, window, cell_size=1.0)
     fractions = sample_fractions(wedge, grid, window=window)
     assert build(fractions, bridges="none").cells.predicted == (5, 0, 0)
     assert build(fractions).cells.predicted == (1, 0, 0)
-    gap = read_outline(folder / "gap.svg")
+    gap = read_file(folder / "gap.svg").geometry
     fractions = sample_fractions(gap, lay_grid(gap, None, cells=26))
     resolved = build(fractions)
     assert resolved.cells.decisions.n_pinches > 15

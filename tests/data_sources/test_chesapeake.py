@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 from tusqh.geometry.defects import describe_defects
-from tusqh.geometry.read import read_outline
+from tusqh.readers.files import read_file
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 FOLDER = REPOSITORY / "data_sources" / "chesapeake"
@@ -50,7 +50,8 @@ def test_sha256_matches(model):
 @pytest.mark.parametrize("model", ["chesapeake", "chesapeake_clean", "chesapeake_overlay"])
 def test_defects_are_those_of_the_register(model):
     row = ROWS[model]
-    table = describe_defects(read_outline(REPOSITORY / row["file"])).set_index("defect")["count"]
+    outline = read_file(REPOSITORY / row["file"]).geometry
+    table = describe_defects(outline).set_index("defect")["count"]
     found = re.findall(rf"(\d+) ({'|'.join(WORDS)})\b", row["known_defects"])
     stated = {WORDS[word]: int(count) for count, word in found}
     assert bool(stated) == (model != "chesapeake_clean")

@@ -46,14 +46,14 @@ def measured(outline: Outline) -> dict[str, tuple[int, float]]:
     assert list(table.columns) == [
         "defect",
         "count",
-        "length_or_width",
+        "measure",
         "unit",
         "explanation",
     ]
     assert table["defect"].tolist() == ROWS
     assert set(table["unit"]) == {"model units", "model units^2", "-"}
     return {
-        row.defect: (row.count_, row.length_or_width)
+        row.defect: (row.count_, row.measure)
         for row in table.rename(columns={"count": "count_"}).itertuples()
     }
 

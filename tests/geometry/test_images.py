@@ -6,8 +6,10 @@ import pytest
 import tifffile
 
 from tusqh.errors import GeometryError
-from tusqh.geometry.files import dimension_of, load_geometry, read_geometry, write_geometry
+from tusqh.geometry.canonical import load_geometry, write_geometry
 from tusqh.geometry.image import Image
+from tusqh.readers.files import read_file
+from tusqh.readers.formats import dimension_of
 
 #: Voxel (i, j, k) holds 100 i + 10 j + k: what is where says which axis is which.
 VOXELS = (100 * np.arange(2)[:, None, None] + 10 * np.arange(3)[:, None] + np.arange(4)).astype(
@@ -27,7 +29,7 @@ def write(path, voxels=VOXELS, **header):
 
 @pytest.mark.parametrize("suffix", ["npy", "tif", "TIFF", "nrrd"])
 def test_every_format_has_its_axes_in_place(tmp_path, suffix):
-    image = read_geometry(write(tmp_path / f"a.{suffix}"))
+    image = read_file(write(tmp_path / f"a.{suffix}")).geometry
     assert np.array_equal(image.voxels, VOXELS)
     assert image.shape == (2, 3, 4)
     assert (image.empty, image.full, image.voxel_size) == (0, 123, 1)
@@ -37,16 +39,16 @@ def test_every_format_has_its_axes_in_place(tmp_path, suffix):
 
 def test_the_size_of_a_voxel_comes_from_the_header_or_the_configuration(tmp_path):
     path = write(tmp_path / "a.nrrd", spacings=[0.5, 0.5, 0.5])
-    assert read_geometry(path).voxel_size == 0.5
-    assert read_geometry(path, image={"voxel_size": 2}).bounding_box()[1] == (4, 6, 8)
+    assert read_file(path).geometry.voxel_size == 0.5
+    assert read_file(path, image={"voxel_size": 2}).geometry.bounding_box()[1] == (4, 6, 8)
     path = write(
         tmp_path / "b.nrrd", **{"space directions": -0.25 * np.eye(3), "space dimension": 3}
     )
-    assert read_geometry(path).voxel_size == 0.25
+    assert read_file(path).geometry.voxel_size == 0.25
     path = write(tmp_path / "c.nrrd", spacings=[0.5, 0.5, 1.5])
     with pytest.raises(GeometryError, match=r"0.5 x 0.5 x 1.5"):
-        read_geometry(path)
-    assert read_geometry(path, image={"voxel_size": 1}).voxel_size == 1
+        read_file(path)
+    assert read_file(path, image={"voxel_size": 1}).geometry.voxel_size == 1
 
 
 @pytest.mark.parametrize(
@@ -114,17 +116,17 @@ def test_broken_files_are_explained(tmp_path, suffix, content):
     path = tmp_path / f"a.{suffix}"
     path.write_bytes(content)
     with pytest.raises(GeometryError, match="cannot be read"):
-        read_geometry(path)
+        read_file(path)
     with pytest.raises(GeometryError, match="no such file"):
-        read_geometry(tmp_path / f"b.{suffix}")
+        read_file(tmp_path / f"b.{suffix}")
 
 
 def test_colours_and_objects_are_refused(tmp_path):
     tifffile.imwrite(tmp_path / "a.tif", np.zeros((4, 5, 6, 3), np.uint8), photometric="rgb")
     with pytest.raises(GeometryError, match="colours"):
-        read_geometry(tmp_path / "a.tif")
+        read_file(tmp_path / "a.tif")
     np.save(tmp_path / "a.npy", np.array([{}]), allow_pickle=True)
     with pytest.raises(GeometryError, match="cannot be read"):
-        read_geometry(tmp_path / "a.npy")
+        read_file(tmp_path / "a.npy")
     with pytest.raises(GeometryError, match="`image` is given"):
-        read_geometry(tmp_path / "a.stl", image={"full": 1})
+        read_file(tmp_path / "a.stl", image={"full": 1})

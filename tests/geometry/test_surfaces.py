@@ -6,9 +6,12 @@ import pyvista
 import trimesh
 
 from tusqh.errors import GeometryError
-from tusqh.geometry.files import dimension_of, load_geometry, locate, read_geometry, write_geometry
+from tusqh.geometry.canonical import load_geometry, write_geometry
+from tusqh.geometry.defects import describe_defects
+from tusqh.geometry.packaged import locate
 from tusqh.geometry.soup import Soup
-from tusqh.geometry.surface_defects import describe_surface_defects
+from tusqh.readers.files import read_file
+from tusqh.readers.formats import dimension_of
 
 TETRAHEDRON = trimesh.Trimesh(
     [[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
@@ -25,7 +28,7 @@ def corners(soup):
 
 
 def defects(soup):
-    return describe_surface_defects(soup).set_index("defect")["count"].to_dict()
+    return describe_defects(soup).set_index("defect")["count"].to_dict()
 
 
 @pytest.mark.parametrize(
@@ -42,7 +45,7 @@ def test_every_format_gives_the_same_triangles(tmp_path, suffix):
         surface.save(path)
     else:
         TETRAHEDRON.export(path)
-    soup = read_geometry(path)
+    soup = read_file(path).geometry
     expected = Soup(TETRAHEDRON.vertices, np.asarray(TETRAHEDRON.faces), np.zeros(4, dtype=int))
     assert np.allclose(corners(soup), corners(expected), atol=1e-7)
     found = defects(soup)
@@ -53,23 +56,23 @@ def test_quads_and_polygons_are_cut_into_triangles(tmp_path):
     (tmp_path / "house.obj").write_text(
         "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 1 3 0\nv 0 2 0\nf 1 2 3 5\nf 5 3 4\n"
     )
-    assert len(read_geometry(tmp_path / "house.obj").triangles) == 3
+    assert len(read_file(tmp_path / "house.obj").geometry.triangles) == 3
     (tmp_path / "pentagon.off").write_text(
         "OFF\n5 1 0\n0 0 0\n2 0 0\n2 2 0\n1 3 0\n0 2 0\n5 0 1 2 3 4\n"
     )
-    assert len(read_geometry(tmp_path / "pentagon.off").triangles) == 3
+    assert len(read_file(tmp_path / "pentagon.off").geometry.triangles) == 3
 
 
 def test_parts_are_kept_apart_and_nothing_is_merged(tmp_path):
     scene = trimesh.Scene([TETRAHEDRON, TETRAHEDRON.copy().apply_translation([3, 0, 0])])
     scene.export(tmp_path / "two.glb")
-    soup = read_geometry(tmp_path / "two.glb")
+    soup = read_file(tmp_path / "two.glb").geometry
     assert np.bincount(soup.parts).tolist() == [4, 4]
     doubled = trimesh.Trimesh(
         TETRAHEDRON.vertices, np.concatenate([TETRAHEDRON.faces] * 2), process=False
     )
     doubled.export(tmp_path / "doubled.ply")
-    soup = read_geometry(tmp_path / "doubled.ply")
+    soup = read_file(tmp_path / "doubled.ply").geometry
     assert len(soup.triangles) == 8
     assert defects(soup)["duplicate_triangles"] == 4
 
@@ -103,7 +106,7 @@ def test_defects_are_counted_by_hand():
 
 
 def test_the_canonical_file_is_equal_in_every_bit(tmp_path):
-    soup = read_geometry(locate("package:pyvista/examples/airplane.ply"))
+    soup = read_file(locate("package:pyvista/examples/airplane.ply")).geometry
     write_geometry(tmp_path / "geometry.vtp", soup)
     back = load_geometry(tmp_path / "geometry.vtp")
     assert np.array_equal(back.points, soup.points)
@@ -151,11 +154,11 @@ def test_broken_files_are_explained(tmp_path, name):
     path = tmp_path / name
     path.write_bytes(broken_stl(tmp_path)[name])
     with pytest.raises(GeometryError) as caught:
-        read_geometry(path)
+        read_file(path)
     assert name in str(caught.value)
     assert "remedy" in str(caught.value)
 
 
 def test_a_missing_file_is_explained(tmp_path):
     with pytest.raises(GeometryError, match="there is no such file"):
-        read_geometry(tmp_path / "part.stl")
+        read_file(tmp_path / "part.stl")

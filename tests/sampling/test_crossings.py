@@ -8,9 +8,10 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tusqh.geometry.files import locate, read_geometry
 from tusqh.geometry.outline import Outline
+from tusqh.geometry.packaged import locate
 from tusqh.geometry.soup import Soup
+from tusqh.readers.files import read_file
 from tusqh.sampling.field import make_field, wind_on_lattice
 from tusqh.sampling.lattice import Lattice
 
@@ -64,7 +65,7 @@ def noisy_ball(seed, share_lost=0.0, share_flipped=0.0):
 
 @pytest.fixture(scope="module")
 def bunny():
-    return read_geometry(locate("package:pymeshlab/tests/sample_meshes/bunny.obj"))
+    return read_file(locate("package:pymeshlab/tests/sample_meshes/bunny.obj")).geometry
 
 
 def test_the_bunny_is_closed_and_its_winding_number_an_integer(bunny):
@@ -110,7 +111,7 @@ def test_the_tolerance_is_kept_far_from_the_cap_and_near(share_lost, tolerance):
 
 
 def test_the_airplane_within_the_tolerance_at_its_half_blocks():
-    soup = read_geometry(locate("package:pyvista/examples/airplane.ply"))
+    soup = read_file(locate("package:pyvista/examples/airplane.ply")).geometry
     lattice = lattice_over(soup, 24, half=2)
     means = make_field(soup).sums(lattice, 0, int(lattice.n_blocks[0])) / 8
     n = lattice.n_blocks

@@ -5,9 +5,10 @@ import pytest
 import trimesh
 
 from tusqh.errors import SamplingError
-from tusqh.geometry.files import locate, read_geometry
+from tusqh.geometry.packaged import locate
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BackgroundGrid
+from tusqh.readers.files import read_file
 from tusqh.sampling import fractions as fractions_module
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.layout import lay_grid
@@ -40,7 +41,7 @@ def test_fractions_of_solids_with_known_volumes(repository):
         ("hollow_sphere", 4 / 3 * np.pi * (10**3 - 6**3)),
         ("nested_spheres", 4 / 3 * np.pi * (10**3 - 6**3 + 3**3)),
     ]:
-        soup = read_geometry(repository / f"data_sources/solids/{name}.stl")
+        soup = read_file(repository / f"data_sources/solids/{name}.stl").geometry
         fractions = sample_fractions(soup, lay_grid(soup, None, cells=40))
         assert fractions.volume() == pytest.approx(volume, rel=0.01)
 
@@ -96,7 +97,7 @@ def test_clamping_changes_nothing_where_nothing_overlaps(domain, orientation):
 
 
 def test_libigl_gives_the_same_to_its_precision():
-    soup = read_geometry(locate("package:pyvista/examples/airplane.ply"))
+    soup = read_file(locate("package:pyvista/examples/airplane.ply")).geometry
     grid = lay_grid(soup, None, cells=24)
     ours = sample_fractions(soup, grid)
     theirs = sample_fractions(soup, grid, sampler="libigl")
@@ -133,7 +134,7 @@ def test_a_window_in_space_cuts_the_model():
 
 
 def test_a_fine_grid_of_a_solid_has_its_volume(repository):
-    soup = read_geometry(repository / "data_sources/solids/torus.stl")
+    soup = read_file(repository / "data_sources/solids/torus.stl").geometry
     fractions = sample_fractions(soup, lay_grid(soup, None, cells=128))
     corners = soup.points[soup.triangles]
     exact = np.einsum("mi,mi->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6

@@ -7,7 +7,7 @@ from plain_meshes import unit_cube
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
 from tusqh.errors import SimulationError
-from tusqh.geometry.files import read_geometry
+from tusqh.readers.files import read_file
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.layout import lay_grid
 from tusqh.simulate.components import count_matrix_components
@@ -18,7 +18,7 @@ from tusqh.simulate.snapshots import read_snapshot, write_snapshots
 
 
 def mesh_of(repository, name, cells):
-    soup = read_geometry(repository / f"data_sources/solids/{name}.stl")
+    soup = read_file(repository / f"data_sources/solids/{name}.stl").geometry
     fractions = sample_fractions(soup, lay_grid(soup, None, cells=cells))
     return build_mesh(CellSets(fractions).at(0.5), fractions.grid, name=name).mesh
 

@@ -4,9 +4,9 @@ import pytest
 
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
-from tusqh.geometry.read import read_outline
 from tusqh.meshes.betti import betti_by_boundary
 from tusqh.quality.verification import VERIFICATION_COLUMNS, verify_mesh
+from tusqh.readers.files import read_file
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.layout import lay_grid
 from tusqh.settings.policy import Criteria, Policy
@@ -19,7 +19,7 @@ WINDOW = ((250000.0, 4075000.0), (490000.0, 4391000.0))
 
 @pytest.fixture(scope="module")
 def fractions(repository):
-    outline = read_outline(repository / "data_sources/chesapeake/counties.geojson")
+    outline = read_file(repository / "data_sources/chesapeake/counties.geojson").geometry
     grid = lay_grid(outline, WINDOW, cells=[60, 79])
     return sample_fractions(outline, grid, domain="outside", window=WINDOW)
 

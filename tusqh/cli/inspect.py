@@ -51,7 +51,7 @@ def inspect(
 
     * `tusqh inspect bay.geojson --domain outside --cells 60,79 --all`
     """
-    from tusqh.pipeline.ingest import describe, ingest
+    from tusqh.pipeline.ingest import describe_geometry, ingest
     from tusqh.pipeline.persistence import find_persistence
     from tusqh.pipeline.sample import sample
     from tusqh.pipeline.select import predict
@@ -71,7 +71,7 @@ def inspect(
         image=options.to_image(voxel_size, empty, full),
     )
     found = ingest(geometry, image=settings.get("image"))
-    show(describe(found), title=f"Defects of {found.name}")
+    show(describe_geometry(found), title=f"Defects of {found.name}")
     if defects_only:
         return
     with shown() as progress:

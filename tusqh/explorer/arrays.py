@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from tusqh.antialias.cells import CellSets
 from tusqh.explorer.encode import smallest_unsigned
-from tusqh.geometry.files import Geometry
 from tusqh.geometry.image import Image
+from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.outline import Outline
 from tusqh.grid import BackgroundGrid, FloatArray, IntArray
 from tusqh.meshes.volume_mesh import VolumeMesh

@@ -12,7 +12,8 @@ import pandas as pd
 
 from tusqh.errors import ConfigError
 from tusqh.explorer.command import Command, mesh_command
-from tusqh.geometry.files import Geometry, load_geometry
+from tusqh.geometry.canonical import load_geometry
+from tusqh.geometry.kinds import Geometry
 from tusqh.meshes.export import read_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.result import Result

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,9 @@ from tusqh.geometry.boundary_chain import match_points
 from tusqh.grid import FloatArray, IntArray
 
 __all__ = ["Soup"]
+
+#: Points, shape (n, 3), and the triangles between them, shape (m, 3).
+Part = tuple[FloatArray, IntArray]
 
 
 @dataclass(frozen=True)
@@ -92,3 +96,34 @@ class Soup:
         """Return points and triangles with points of equal coordinates taken as one."""
         points, number = match_points(self.points)
         return points, number[self.triangles]
+
+    @classmethod
+    def from_parts(cls, parts: Sequence[Part], *, name: str = "soup") -> Soup:
+        """Return the soup of parts, each with points and triangles of its own.
+
+        Parameters
+        ----------
+        parts
+            Points, shape (n, 3), and triangles, shape (m, 3), of every part.
+        name
+            Where it came from, for messages.
+
+        Raises
+        ------
+        GeometryError
+            See `Soup`.
+
+        Examples
+        --------
+        >>> corner = np.eye(3), np.array([[0, 1, 2]])
+        >>> Soup.from_parts([corner, corner], name="two").triangles.tolist()
+        [[0, 1, 2], [3, 4, 5]]
+        """
+        first = np.cumsum([0, *(len(points) for points, _ in parts)])
+        triangles = [t + f for (_, t), f in zip(parts, first, strict=False)]
+        return cls(
+            points=np.concatenate([np.empty((0, 3)), *(points for points, _ in parts)]),
+            triangles=np.concatenate([np.empty((0, 3), dtype=np.int64), *triangles]),
+            parts=np.repeat(np.arange(len(parts)), [len(t) for _, t in parts]).astype(np.int64),
+            name=name,
+        )

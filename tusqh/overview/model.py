@@ -10,7 +10,7 @@ from typing import Any
 
 import pandas as pd
 
-from tusqh.geometry.files import locate
+from tusqh.geometry.packaged import locate
 from tusqh.hashing import hash_file
 from tusqh.pipeline.result import count_pinches
 from tusqh.quality.verdict import overall

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from tusqh.pipeline.build import build
-from tusqh.pipeline.ingest import describe, ingest
+from tusqh.pipeline.ingest import describe_geometry, ingest
 from tusqh.pipeline.judge import judge
 from tusqh.pipeline.persistence import find_persistence
 from tusqh.pipeline.result import Result
@@ -149,7 +149,7 @@ def mesh(
         name = Path(source).stem if isinstance(source, (str, Path)) else "model"
     progress("reading")
     geometry = ingest(source, name=name, image=settings.get("image"))
-    defects = describe(geometry)
+    defects = describe_geometry(geometry)
     fractions = sample(geometry, **pick(settings, ("grid", "window", *SAMPLING)), progress=progress)
     progress("persistence")
     found = find_persistence(fractions, name=name)

@@ -9,7 +9,8 @@ from typing import Any
 import pandas as pd
 
 from tusqh.atomic import write_text
-from tusqh.geometry.files import Geometry, write_geometry
+from tusqh.geometry.canonical import write_geometry
+from tusqh.geometry.kinds import Geometry
 from tusqh.hashing import canonical_json
 from tusqh.meshes.formats import write_mesh
 from tusqh.meshes.volume_mesh import VolumeMesh

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from tusqh.geometry.files import Geometry
 from tusqh.geometry.image import Image
+from tusqh.geometry.kinds import Geometry
 from tusqh.progress import Progress, log_progress
 from tusqh.sampling.fractions import VolumeFractions, require_memory, sample_fractions
 from tusqh.sampling.layout import lay_grid, to_window

@@ -6,7 +6,8 @@ from snakemake.exceptions import WorkflowError
 
 from tusqh.config import load_config
 from tusqh.errors import TusqhError
-from tusqh.geometry.files import PACKAGE, dimension_of
+from tusqh.geometry.packaged import PACKAGE
+from tusqh.readers.formats import dimension_of, find_format
 from provenance.claims import load_claims
 from provenance.code import code_fingerprint, list_code
 from tusqh.quality.system_libraries import describe_missing
@@ -95,6 +96,12 @@ def geometry_of(wildcards):
     """Return the geometry file of a model, none where it lies inside an installed package."""
     geometry = MODELS[wildcards.model]["geometry"]
     return [] if geometry.startswith(PACKAGE) else geometry
+
+
+def reader_of(wildcards):
+    """Return the fingerprint of the module that reads a model's format."""
+    module = find_format(MODELS[wildcards.model]["geometry"]).module
+    return code_fingerprint(f"tusqh/readers/{module}.py", base=BASE)
 
 
 def source_of(path):

@@ -8,6 +8,7 @@ rule ingest:
         record_how="results/provenance/{model}/ingest.how.json",
     params:
         code=code_of("ingest"),
+        reader=reader_of,
         source=of_model("geometry", "image"),
     log:
         "results/{model}/logs/ingest.log",

@@ -3,7 +3,7 @@ from pathlib import Path
 from provenance.record import recorded
 from tusqh.figures import style
 from tusqh.figures.field import draw_field
-from tusqh.geometry.files import load_geometry
+from tusqh.geometry.canonical import load_geometry
 from tusqh.sampling.io import load_fractions
 
 with recorded(snakemake) as log:

@@ -5,7 +5,7 @@ import pandas as pd
 from provenance.record import recorded
 from tusqh.figures import style
 from tusqh.figures.panels import draw_panels
-from tusqh.geometry.files import load_geometry
+from tusqh.geometry.canonical import load_geometry
 from tusqh.meshes.export import read_vtu
 
 with recorded(snakemake) as log:

@@ -4,7 +4,7 @@ from provenance.record import recorded
 from tusqh.antialias.cells import CellSets
 from tusqh.figures import style
 from tusqh.figures.thresholds import draw_thresholds
-from tusqh.geometry.files import load_geometry
+from tusqh.geometry.canonical import load_geometry
 from tusqh.sampling.io import load_fractions
 from tusqh.settings.policy import Policy
 

@@ -1,14 +1,14 @@
 from pathlib import Path
 
 from provenance.record import recorded
-from tusqh.geometry.files import write_geometry
-from tusqh.pipeline.ingest import describe, ingest
+from tusqh.geometry.canonical import write_geometry
+from tusqh.pipeline.ingest import describe_geometry, ingest
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
     source = snakemake.params.source
     geometry = ingest(source["geometry"], image=source.get("image"))
-    defects = describe(geometry)
+    defects = describe_geometry(geometry)
     log.info("%s: %d %s", geometry.name, defects["count"].iloc[0], defects["defect"].iloc[0])
     write_geometry(Path(snakemake.output.geometry), geometry)
     write_csv(Path(snakemake.output.defects), defects)

@@ -5,7 +5,7 @@ import pandas as pd
 
 from provenance.record import recorded
 from studies.peers import run_peer
-from tusqh.geometry.files import load_geometry
+from tusqh.geometry.canonical import load_geometry
 from tusqh.sampling.io import load_fractions
 from tusqh.settings.policy import Policy
 from tusqh.tables import write_csv

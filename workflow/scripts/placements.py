@@ -9,7 +9,7 @@ from studies.orientation import (
     recommend_grid,
     vary_placement,
 )
-from tusqh.geometry.files import load_geometry
+from tusqh.geometry.canonical import load_geometry
 from tusqh.progress import log_progress
 from tusqh.sampling.layout import to_window
 from tusqh.settings.policy import Policy

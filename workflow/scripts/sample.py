@@ -1,7 +1,7 @@
 from pathlib import Path
 
 from provenance.record import recorded
-from tusqh.geometry.files import load_geometry
+from tusqh.geometry.canonical import load_geometry
 from tusqh.pipeline.sample import sample
 from tusqh.sampling.io import save_fractions
 

@@ -7,8 +7,8 @@ import pytest
 import shapely
 
 from tusqh.errors import GeometryError
-from tusqh.geometry.read import read_outline
-from tusqh.geometry.read_svg import CHORD_TOLERANCE
+from tusqh.readers.curves import CHORD_TOLERANCE
+from tusqh.readers.files import read_file
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]
 
@@ -28,7 +28,7 @@ def svg(path: Path, body: str) -> Path:
 
 def chains_of(path: Path) -> list[list[list[float]]]:
     """The polylines of a file, put together again from the segments."""
-    outline = read_outline(path)
+    outline = read_file(path).geometry
     result = []
     for chain in np.unique(outline.chains):
         segments = outline.segments[outline.chains == chain]
@@ -61,7 +61,7 @@ def test_geojson_keeps_every_ring_as_it_is(tmp_path):
     path = geojson(tmp_path / "a.geojson", collection)
     lines = [[[0, 0], [0.1, 2]], [[0, 0], [0, 3]]]
     assert chains_of(path) == [SQUARE, hole, open_ring, SQUARE, *lines]
-    assert read_outline(path).name == "a.geojson"
+    assert read_file(path).geometry.name == "a.geojson"
 
 
 @pytest.mark.parametrize("outer", [SQUARE, SQUARE[::-1]], ids=["ccw", "cw"])
@@ -205,18 +205,19 @@ def test_dxf_blocks_are_exploded(tmp_path):
 def test_csv_rows_are_loose_segments(tmp_path):
     path = write(tmp_path / "a.csv", "x0, y0, x1, y1\n0,0,1,0\n\n1,0,0.1,1e1\n")
     assert chains_of(path) == [[[0, 0], [1, 0]], [[1, 0], [0.1, 10]]]
-    assert read_outline(path).chains.tolist() == [0, 1]
+    assert read_file(path).geometry.chains.tolist() == [0, 1]
 
 
 def test_missing_file(tmp_path):
     with pytest.raises(GeometryError, match="no such file"):
-        read_outline(tmp_path / "gone.svg")
+        read_file(tmp_path / "gone.svg")
 
 
 def test_unsupported_suffix_names_the_supported_ones(tmp_path):
     with pytest.raises(GeometryError, match="not supported") as caught:
-        read_outline(write(tmp_path / "a.docx", "hello"))
-    assert caught.value.expected == "one of .geojson, .json, .svg, .shp, .dxf, .csv"
+        read_file(write(tmp_path / "a.docx", "hello"))
+    for suffix in (".geojson", ".json", ".svg", ".shp", ".dxf", ".csv", ".stl", ".nrrd"):
+        assert suffix in caught.value.expected
 
 
 @pytest.mark.parametrize(
@@ -237,7 +238,7 @@ def test_unsupported_suffix_names_the_supported_ones(tmp_path):
 )
 def test_corrupt_file_carries_the_message_of_the_parser(tmp_path, name, text, message):
     with pytest.raises(GeometryError, match="cannot be read") as caught:
-        read_outline(write(tmp_path / name, text))
+        read_file(write(tmp_path / name, text))
     assert message in caught.value.found
     assert caught.value.where.endswith(name)
 
@@ -248,7 +249,7 @@ def test_binary_rubbish_is_not_a_crash(tmp_path):
         path = tmp_path / f"a.{suffix}"
         path.write_bytes(rubbish)
         with pytest.raises(GeometryError, match="cannot be read"):
-            read_outline(path)
+            read_file(path)
 
 
 @pytest.mark.parametrize(
@@ -262,12 +263,12 @@ def test_binary_rubbish_is_not_a_crash(tmp_path):
 )
 def test_empty_geometry(tmp_path, name, text):
     with pytest.raises(GeometryError, match="empty"):
-        read_outline(write(tmp_path / name, text))
+        read_file(write(tmp_path / name, text))
 
 
 def test_empty_drawing(tmp_path):
     with pytest.raises(GeometryError, match="empty"):
-        read_outline(dxf(tmp_path / "a.dxf", lambda document, space: None))
+        read_file(dxf(tmp_path / "a.dxf", lambda document, space: None))
 
 
 @pytest.mark.parametrize(
@@ -283,7 +284,7 @@ def test_empty_drawing(tmp_path):
 )
 def test_coordinates_that_are_not_finite(tmp_path, name, text):
     with pytest.raises(GeometryError, match="NaN or infinite"):
-        read_outline(write(tmp_path / name, text))
+        read_file(write(tmp_path / name, text))
 
 
 @pytest.mark.parametrize(
@@ -296,7 +297,7 @@ def test_coordinates_that_are_not_finite(tmp_path, name, text):
 )
 def test_zero_extent(tmp_path, name, text):
     with pytest.raises(GeometryError, match="zero extent"):
-        read_outline(write(tmp_path / name, text))
+        read_file(write(tmp_path / name, text))
 
 
 @pytest.mark.parametrize(
@@ -312,6 +313,6 @@ def test_zero_extent(tmp_path, name, text):
 )
 def test_bad_csv_names_the_line(tmp_path, text, line, message):
     with pytest.raises(GeometryError) as caught:
-        read_outline(write(tmp_path / "a.csv", text))
+        read_file(write(tmp_path / "a.csv", text))
     assert message in caught.value.found
     assert caught.value.where.endswith(f"a.csv, line {line}")

@@ -3,7 +3,7 @@ import pytest
 import pyvista
 
 from tusqh.errors import GeometryError, OutputError
-from tusqh.geometry.io import load_outline, write_outline
+from tusqh.geometry.canonical import load_geometry, write_geometry
 from tusqh.geometry.outline import Outline
 
 
@@ -19,8 +19,8 @@ def random_outline() -> Outline:
 
 def test_round_trip_is_exact_in_every_bit(tmp_path):
     outline = random_outline()
-    write_outline(tmp_path / "a.vtp", outline)
-    loaded = load_outline(tmp_path / "a.vtp")
+    write_geometry(tmp_path / "a.vtp", outline)
+    loaded = load_geometry(tmp_path / "a.vtp")
     assert loaded.points.tobytes() == outline.points.tobytes()
     assert loaded.segments.tobytes() == outline.segments.astype(np.int64).tobytes()
     assert loaded.chains.tobytes() == outline.chains.astype(np.int64).tobytes()
@@ -29,13 +29,13 @@ def test_round_trip_is_exact_in_every_bit(tmp_path):
 
 def test_bytes_are_the_same_every_time_and_nothing_else_is_left(tmp_path):
     for name in ("a.vtp", "b.vtp", "a.vtp"):
-        write_outline(tmp_path / name, random_outline())
+        write_geometry(tmp_path / name, random_outline())
     assert (tmp_path / "a.vtp").read_bytes() == (tmp_path / "b.vtp").read_bytes()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.vtp", "b.vtp"]
 
 
 def test_other_programs_see_line_cells(tmp_path):
-    write_outline(tmp_path / "a.vtp", random_outline())
+    write_geometry(tmp_path / "a.vtp", random_outline())
     mesh = pyvista.read(tmp_path / "a.vtp")
     assert mesh.n_cells == mesh.n_lines == 80
     assert mesh.points.dtype == np.float64
@@ -43,7 +43,7 @@ def test_other_programs_see_line_cells(tmp_path):
 
 
 def test_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
-    write_outline(tmp_path / "a.vtp", random_outline())
+    write_geometry(tmp_path / "a.vtp", random_outline())
     before = (tmp_path / "a.vtp").read_bytes()
 
     def fail(self, filename, **options):
@@ -51,29 +51,29 @@ def test_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
 
     monkeypatch.setattr(pyvista.PolyData, "save", fail)
     with pytest.raises(OutputError, match="disk full"):
-        write_outline(tmp_path / "a.vtp", random_outline())
+        write_geometry(tmp_path / "a.vtp", random_outline())
     assert (tmp_path / "a.vtp").read_bytes() == before
     assert len(list(tmp_path.iterdir())) == 1
 
 
 def test_missing_outline(tmp_path):
     with pytest.raises(GeometryError, match="no such file"):
-        load_outline(tmp_path / "gone.vtp")
+        load_geometry(tmp_path / "gone.vtp")
 
 
 @pytest.mark.filterwarnings("ignore")
 def test_corrupt_outline(tmp_path):
     (tmp_path / "a.vtp").write_text("rubbish")
-    with pytest.raises(GeometryError, match="not an outline"):
-        load_outline(tmp_path / "a.vtp")
+    with pytest.raises(GeometryError, match="not a canonical geometry file"):
+        load_geometry(tmp_path / "a.vtp")
 
 
 def test_some_other_mesh_is_not_an_outline(tmp_path):
     pyvista.Line().save(tmp_path / "a.vtp")
-    with pytest.raises(GeometryError, match="not an outline"):
-        load_outline(tmp_path / "a.vtp")
+    with pytest.raises(GeometryError, match="not a canonical geometry file"):
+        load_geometry(tmp_path / "a.vtp")
 
 
 def test_wrong_suffix(tmp_path):
     with pytest.raises(GeometryError, match=r"'\.vtk'"):
-        write_outline(tmp_path / "a.vtk", random_outline())
+        write_geometry(tmp_path / "a.vtk", random_outline())

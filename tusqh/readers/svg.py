@@ -1,4 +1,4 @@
-"""Read the chains of an SVG drawing: paths and basic shapes, transforms applied."""
+"""Read an SVG drawing: paths and basic shapes, transforms applied."""
 
 from __future__ import annotations
 
@@ -14,8 +14,10 @@ from svgpathtools import Line, parse_path
 from svgpathtools.document import CONVERSIONS
 from svgpathtools.parser import parse_transform
 
-from tusqh.geometry.curves import CHORD_TOLERANCE, flatten_curve
+from tusqh.geometry.outline import Outline
 from tusqh.grid import FloatArray
+from tusqh.readers.curves import CHORD_TOLERANCE, flatten_curve
+from tusqh.readers.reading import Reading
 
 #: Elements whose content is drawn only when something else refers to it.
 _NOT_DRAWN = {"defs", "symbol", "clipPath", "mask", "marker", "pattern"}
@@ -31,13 +33,25 @@ class _Subpath:
     transform: FloatArray
 
 
-def read_svg_chains(path: Path) -> list[FloatArray]:
-    """Return the continuous subpaths of an SVG file as polylines, in document order.
+def read(path: Path) -> Reading:
+    """Read the continuous subpaths as polylines, in document order.
 
     Straight lines are kept exactly; curves become chords that stay within `CHORD_TOLERANCE` of
     them.  Coordinates are the user units of the root element.  The y axis of SVG points down,
     so y changes its sign and the picture stands upright.  A path without ``Z`` stays open.
     Elements that are hidden by a style are read like any other.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Raises
+    ------
+    ValueError
+        The file is not SVG.
+    GeometryError
+        The outline is empty, without extent or not finite.
     """
     root = ElementTree.parse(path).getroot()
     if _tag(root) != "svg":
@@ -46,7 +60,8 @@ def read_svg_chains(path: Path) -> list[FloatArray]:
     subpaths = list(_subpaths_of(root, np.eye(3), by_id))
     rough = [_flatten(subpath, np.inf) for subpath in subpaths]
     extent = float(np.ptp(np.concatenate(rough), axis=0).max()) if rough else 0.0
-    return [_flatten(subpath, CHORD_TOLERANCE * extent) for subpath in subpaths]
+    chains = [_flatten(subpath, CHORD_TOLERANCE * extent) for subpath in subpaths]
+    return Reading(Outline.from_chains(chains, name=path.name))
 
 
 def _tag(element: ElementTree.Element) -> str:

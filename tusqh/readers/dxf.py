@@ -1,4 +1,4 @@
-"""Read the chains of a DXF drawing: lines, polylines and curves of its model space."""
+"""Read a DXF drawing: lines, polylines and curves of its model space."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ import ezdxf.path
 import numpy as np
 from ezdxf.filemanagement import readfile
 
-from tusqh.geometry.curves import CHORD_TOLERANCE, flatten_curve
+from tusqh.geometry.outline import Outline
 from tusqh.grid import FloatArray
+from tusqh.readers.curves import CHORD_TOLERANCE, flatten_curve
+from tusqh.readers.reading import Reading
 
 #: A polyline's arc becomes a third as many Bezier curves: a millionth of its radius off at most.
 _ARC_SEGMENTS = 24
@@ -21,14 +23,24 @@ _POLYLINES = ("LWPOLYLINE", "POLYLINE")
 _CURVES = ("ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 
 
-def read_dxf_chains(path: Path) -> list[FloatArray]:
-    """Return the entities of a DXF file as polylines, in file order.
+def read(path: Path) -> Reading:
+    """Read the entities as polylines, in file order.
 
     Read are LINE, LWPOLYLINE, POLYLINE, ARC, CIRCLE, ELLIPSE and SPLINE in model space, also
-    inside blocks (INSERT); meshes, text, hatches and dimensions are passed over.  Straight
+    inside blocks (INSERT); meshes, text, hatches and dimensions are skipped.  Straight
     lines are kept exactly, curves become chords within `CHORD_TOLERANCE` of them, relative to
     the drawing.  A polyline closes only if its closed flag says so.  The third coordinate is
     dropped.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Raises
+    ------
+    GeometryError
+        The outline is empty, without extent or not finite.
     """
     space = readfile(path).modelspace()
     entities = [entity for entity in _exploded(space) if _is_line_work(entity)]
@@ -36,7 +48,8 @@ def read_dxf_chains(path: Path) -> list[FloatArray]:
         (ezdxf.path.make_path(entity) for entity in entities), fast=True
     ).size  # of the control points, so never too small by much
     tolerance = CHORD_TOLERANCE * max(extent.x, extent.y) if entities else 0.0
-    return [_chain_of(entity, tolerance or 1.0) for entity in entities]
+    chains = [_chain_of(entity, tolerance or 1.0) for entity in entities]
+    return Reading(Outline.from_chains(chains, name=path.name))
 
 
 def _exploded(entities: Iterable[Any]) -> Iterator[Any]:

@@ -1,0 +1,81 @@
+"""A kind of defect, and the table of all kinds for one geometry."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+import pandas as pd
+
+Facts = TypeVar("Facts")
+
+#: Units of measures; a unit of the model to a power, or none.
+LENGTH, AREA, VOLUME, DIMENSIONLESS = "model units", "model units^2", "model units^3", "-"
+
+#: The measure of a defect that is only counted.
+NOT_MEASURED = float("nan")
+
+#: Columns of the table of defects, for every kind of geometry.
+DEFECT_COLUMNS = ["defect", "count", "measure", "unit", "explanation"]
+
+
+@dataclass(frozen=True)
+class Defect(Generic[Facts]):
+    """A kind of defect of a geometry.
+
+    Parameters
+    ----------
+    name
+        Its name in the column ``defect``.
+    unit
+        Unit of its measure.
+    explanation
+        What is counted; after a semicolon, what is measured.
+    find
+        Returns count and measure, from the facts of a geometry.
+    """
+
+    name: str
+    unit: str
+    explanation: str
+    find: Callable[[Facts], tuple[int, float]]
+
+
+def defect(
+    unit: str, explanation: str
+) -> Callable[[Callable[[Facts], tuple[int, float]]], Defect[Facts]]:
+    """Return a decorator that makes a `Defect` of the function that finds it.
+
+    Parameters
+    ----------
+    unit
+        Unit of its measure.
+    explanation
+        What is counted; after a semicolon, what is measured.
+    """
+
+    def decorate(find: Callable[[Facts], tuple[int, float]]) -> Defect[Facts]:
+        return Defect(find.__name__, unit, explanation, find)
+
+    return decorate
+
+
+def tabulate_defects(defects: Sequence[Defect[Facts]], facts: Facts) -> pd.DataFrame:
+    """Return one row per kind of defect, found or not, in the order given.
+
+    Parameters
+    ----------
+    defects
+        The kinds.
+    facts
+        What they are found from.
+
+    Returns
+    -------
+    pandas.DataFrame
+        With the columns `DEFECT_COLUMNS`.
+    """
+    rows = [(d.name, *d.find(facts), d.unit, d.explanation) for d in defects]
+    table = pd.DataFrame(rows, columns=DEFECT_COLUMNS)
+    return table.astype({"count": "int64", "measure": "float64"})

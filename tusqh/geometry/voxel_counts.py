@@ -1,0 +1,65 @@
+"""What an image of voxels holds, in the rows of the table of defects."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from tusqh.geometry.defect import VOLUME, defect
+from tusqh.geometry.image import Image
+from tusqh.grid import FloatArray
+
+Found = tuple[int, float]
+
+
+class VoxelFacts:
+    """Fractions and volume of the voxels of an image.
+
+    Parameters
+    ----------
+    image
+        The image.
+    """
+
+    def __init__(self, image: Image) -> None:
+        self.image = image
+        #: Volume of a voxel, in model units cubed.
+        self.volume = image.voxel_size**3
+
+    @cached_property
+    def fractions(self) -> FloatArray:
+        """Volume fractions of the voxels, shape (nx, ny, nz)."""
+        return self.image.fractions()
+
+
+@defect(VOLUME, "all voxels; their volume")
+def voxels(facts: VoxelFacts) -> Found:
+    """Count all voxels."""
+    return facts.fractions.size, facts.fractions.size * facts.volume
+
+
+@defect(VOLUME, "voxels at least half full; the sum of all fractions, as a volume")
+def material_voxels(facts: VoxelFacts) -> Found:
+    """Count voxels of material."""
+    return int((facts.fractions >= 0.5).sum()), float(facts.fractions.sum()) * facts.volume
+
+
+@defect(VOLUME, "voxels neither empty nor full; the sum of their fractions, as a volume")
+def partial_voxels(facts: VoxelFacts) -> Found:
+    """Count voxels between empty and full."""
+    is_partial = (facts.fractions > 0) & (facts.fractions < 1)
+    return int(is_partial.sum()), float(facts.fractions[is_partial].sum()) * facts.volume
+
+
+@defect("grey values", "voxels beyond `empty` and `full`; by how much at most")
+def clipped_voxels(facts: VoxelFacts) -> Found:
+    """Count voxels whose grey value is clipped."""
+    low, high = sorted((facts.image.empty, facts.image.full))
+    grey = facts.image.voxels.astype(np.float64)
+    excess = np.maximum(low - grey, grey - high)
+    return int((excess > 0).sum()), max(float(excess.max()), 0.0)
+
+
+#: All rows of an image, in the order of the table.
+VOXEL_COUNTS = (voxels, material_voxels, partial_voxels, clipped_voxels)

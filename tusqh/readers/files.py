@@ -1,0 +1,84 @@
+"""Read a geometry file of any format."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from pathlib import Path
+
+from tusqh.errors import GeometryError, TusqhError
+from tusqh.extras import require
+from tusqh.readers.formats import find_format, suffixes_of
+from tusqh.readers.reading import Reading
+
+_IMAGE_OPTIONS = ("voxel_size", "empty", "full")
+
+
+def read_file(path: Path, *, image: Mapping[str, float] | None = None) -> Reading:
+    """Read a geometry file.
+
+    Nothing is repaired, snapped, closed or merged.
+
+    Parameters
+    ----------
+    path
+        The file; its suffix names the format, see `tusqh.readers.formats.FORMATS`.
+    image
+        `voxel_size`, `empty` and `full` of an image, see `tusqh.readers.voxels.image_of`.
+
+    Returns
+    -------
+    Reading
+        The outline, soup or image in the file.
+
+    Raises
+    ------
+    GeometryError
+        The file is missing, of no supported format, damaged, empty, without extent or not finite,
+        or `image` is given for a file that is not an image.
+    MissingExtraError
+        The library that reads the format is not installed.
+    """
+    found = find_format(str(path))
+    _check_options(path, image or {}, is_image=found.kind == "image")
+    if not path.is_file():
+        raise GeometryError(
+            "there is no such file",
+            where=str(path),
+            expected="a geometry file",
+            remedy="check the path",
+        )
+    if found.library and found.extra:
+        require(found.library, extra=found.extra)
+    reader = import_module(f"tusqh.readers.{found.module}")
+    try:
+        reading: Reading = reader.read(path, **(image or {}))
+    except TusqhError:
+        raise
+    except Exception as error:  # Parsers raise many types over a damaged file.
+        raise GeometryError(
+            f"the file cannot be read: {error or type(error).__name__}",
+            where=str(path),
+            expected=f"a well-formed {path.suffix.lower()} file",
+            remedy="open it in the program that wrote it and export it again",
+        ) from error
+    return reading
+
+
+def _check_options(path: Path, image: Mapping[str, float], *, is_image: bool) -> None:
+    """Raise for options that the format of a file does not have."""
+    if image and not is_image:
+        raise GeometryError(
+            f"`image` is given for a file of type {path.suffix.lower()!r}",
+            where=str(path),
+            expected=f"an image: {', '.join(suffixes_of('image'))}",
+            remedy="remove `image`",
+        )
+    unknown = sorted(set(image) - set(_IMAGE_OPTIONS))
+    if unknown:
+        raise GeometryError(
+            f"`image` has the unknown option {unknown[0]!r}",
+            where=str(path),
+            expected=f"one of {', '.join(_IMAGE_OPTIONS)}",
+            remedy="correct or remove it",
+        )

@@ -1,0 +1,125 @@
+"""The table of file formats: which module reads a suffix, and which library it needs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from tusqh.errors import GeometryError
+
+
+@dataclass(frozen=True)
+class Format:
+    """A file format for geometry.
+
+    Parameters
+    ----------
+    name
+        The format's usual name.
+    suffixes
+        Suffixes of its files, in lower case.
+    kind
+        What its files hold: an outline in 2D, a surface or an image in 3D.
+    module
+        The module in `tusqh.readers` that reads it.
+    library
+        The optional library that the module imports, None where the core suffices.
+    extra
+        The extra of tusqh that installs this library.
+    """
+
+    name: str
+    suffixes: tuple[str, ...]
+    kind: Literal["outline", "surface", "image"]
+    module: str
+    library: str | None = None
+    extra: str | None = None
+
+
+# fmt: off
+#: All formats, in the order in which messages list them.
+FORMATS = (
+    Format("GeoJSON", (".geojson", ".json"), "outline", "geojson"),
+    Format("SVG", (".svg",), "outline", "svg", "svgpathtools", "formats"),
+    Format("shapefile", (".shp",), "outline", "shp", "shapefile", "formats"),
+    Format("DXF", (".dxf",), "outline", "dxf", "ezdxf", "formats"),
+    Format("CSV of segments", (".csv",), "outline", "segments"),
+    Format("STL", (".stl",), "surface", "stl"),
+    Format("OBJ", (".obj",), "surface", "polygons"),
+    Format("PLY", (".ply",), "surface", "polygons"),
+    Format("OFF", (".off",), "surface", "polygons"),
+    Format("glTF", (".glb", ".gltf"), "surface", "polygons"),
+    Format("VTK", (".vtk", ".vtu", ".vtp"), "surface", "vtk", "pyvista", "formats"),
+    Format("NumPy array", (".npy",), "image", "npy"),
+    Format("TIFF stack", (".tif", ".tiff"), "image", "tiff", "tifffile", "formats"),
+    Format("NRRD", (".nrrd",), "image", "nrrd", "nrrd", "formats"),
+)
+# fmt: on
+
+
+def find_format(geometry: str) -> Format:
+    """Return the format of a file by its suffix, in upper or lower case.
+
+    Parameters
+    ----------
+    geometry
+        A path, or ``package:NAME/FILE``.
+
+    Raises
+    ------
+    GeometryError
+        No format has this suffix.
+
+    Examples
+    --------
+    >>> find_format("part.STL").name
+    'STL'
+    """
+    suffix = Path(geometry).suffix.lower()
+    for candidate in FORMATS:
+        if suffix in candidate.suffixes:
+            return candidate
+    raise GeometryError(
+        f"files of type {suffix or '(no suffix)'!r} are not supported",
+        where=geometry,
+        expected=f"one of {', '.join(suffixes_of())}",
+        remedy="export the geometry in one of these formats",
+    )
+
+
+def suffixes_of(*kinds: str) -> list[str]:
+    """Return the suffixes of the given kinds of format, of all kinds if none is given.
+
+    Examples
+    --------
+    >>> suffixes_of("image")
+    ['.npy', '.tif', '.tiff', '.nrrd']
+    """
+    return [
+        suffix
+        for candidate in FORMATS
+        if not kinds or candidate.kind in kinds
+        for suffix in candidate.suffixes
+    ]
+
+
+def dimension_of(geometry: str) -> int:
+    """Return 2 for files of outlines and 3 for files of surfaces and images.
+
+    Parameters
+    ----------
+    geometry
+        A path, or ``package:NAME/FILE``.
+
+    Raises
+    ------
+    GeometryError
+        No format has this suffix.
+
+    Examples
+    --------
+    >>> dimension_of("part.STL"), dimension_of("foam.tif"), dimension_of("bay.geojson")
+    (3, 3, 2)
+    """
+    return 2 if find_format(geometry).kind == "outline" else 3
