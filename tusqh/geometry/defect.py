@@ -47,6 +47,8 @@ def defect(
 ) -> Callable[[Callable[[Facts], tuple[int, float]]], Defect[Facts]]:
     """Return a decorator that makes a `Defect` of the function that finds it.
 
+    The defect has the name of the function, without its leading underscore.
+
     Parameters
     ----------
     unit
@@ -56,7 +58,7 @@ def defect(
     """
 
     def decorate(find: Callable[[Facts], tuple[int, float]]) -> Defect[Facts]:
-        return Defect(find.__name__, unit, explanation, find)
+        return Defect(find.__name__.lstrip("_"), unit, explanation, find)
 
     return decorate
 

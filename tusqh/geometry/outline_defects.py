@@ -12,31 +12,31 @@ Found = tuple[int, float]
 
 
 @defect(LENGTH, "all segments; their total length")
-def segments(facts: OutlineFacts) -> Found:
+def _segments(facts: OutlineFacts) -> Found:
     """Count all segments."""
     return len(facts.segments), float(facts.lengths.sum())
 
 
 @defect(LENGTH, "rings, polylines or paths of the file; the longest one")
-def chains(facts: OutlineFacts) -> Found:
+def _chains(facts: OutlineFacts) -> Found:
     """Count chains."""
     return facts.n_chains, float(facts.chain_lengths.max())
 
 
 @defect(LENGTH, "segments that start and end in the same point; their length")
-def zero_length_segments(facts: OutlineFacts) -> Found:
+def _zero_length_segments(facts: OutlineFacts) -> Found:
     """Count segments without length."""
     return int((facts.segments[:, 0] == facts.segments[:, 1]).sum()), 0.0
 
 
 @defect(LENGTH, "chains whose signed boundary cancels; their total length")
-def closed_chains(facts: OutlineFacts) -> Found:
+def _closed_chains(facts: OutlineFacts) -> Found:
     """Count closed chains."""
     return _chosen(facts, facts.is_closed)
 
 
 @defect(LENGTH, "chains whose signed boundary does not cancel; their total length")
-def open_chains(facts: OutlineFacts) -> Found:
+def _open_chains(facts: OutlineFacts) -> Found:
     """Count open chains."""
     return _chosen(facts, ~facts.is_closed)
 
@@ -46,39 +46,39 @@ def open_chains(facts: OutlineFacts) -> Found:
     "points where segment ends (+1) and starts (-1) of the whole outline do not cancel; the "
     "largest sum",
 )
-def open_ends(facts: OutlineFacts) -> Found:
+def _open_ends(facts: OutlineFacts) -> Found:
     """Count points in the boundary of the outline."""
     return int((facts.boundary != 0).sum()), float(np.abs(facts.boundary).max())
 
 
 @defect(LENGTH, "surplus copies with the same ends and direction; their total length")
-def duplicate_segments(facts: OutlineFacts) -> Found:
+def _duplicate_segments(facts: OutlineFacts) -> Found:
     """Count segments beyond the first with their ends and direction."""
     _, forward, backward = facts.copies
     return _weighted(facts, np.maximum(forward - 1, 0) + np.maximum(backward - 1, 0))
 
 
 @defect(LENGTH, "pairs with the same ends in opposite directions; their total length")
-def opposite_segments(facts: OutlineFacts) -> Found:
+def _opposite_segments(facts: OutlineFacts) -> Found:
     """Count pairs of segments that cancel."""
     _, forward, backward = facts.copies
     return _weighted(facts, np.minimum(forward, backward))
 
 
 @defect(LENGTH, "collinear pairs that share a length without being the same; the shared length")
-def overlapping_segments(facts: OutlineFacts) -> Found:
+def _overlapping_segments(facts: OutlineFacts) -> Found:
     """Count pairs of segments that overlap in part."""
     return len(facts.pairs.overlaps), float(facts.pairs.shared_lengths.sum())
 
 
 @defect(DIMENSIONLESS, "pairs of segments whose interiors cross")
-def crossings(facts: OutlineFacts) -> Found:
+def _crossings(facts: OutlineFacts) -> Found:
     """Count crossing pairs."""
     return len(facts.pairs.crossings), NOT_MEASURED
 
 
 @defect(DIMENSIONLESS, "end points that lie inside another segment, without being collinear")
-def touching(facts: OutlineFacts) -> Found:
+def _touching(facts: OutlineFacts) -> Found:
     """Count end points on other segments."""
     return len(facts.pairs.touching), NOT_MEASURED
 
@@ -86,7 +86,7 @@ def touching(facts: OutlineFacts) -> Found:
 @defect(
     LENGTH, "open ends if there are at least two; the largest distance to the nearest other one"
 )
-def end_gaps(facts: OutlineFacts) -> Found:
+def _end_gaps(facts: OutlineFacts) -> Found:
     """Measure how far open ends are apart."""
     return len(facts.end_gaps), float(facts.end_gaps.max(initial=0.0))
 
@@ -96,31 +96,31 @@ def end_gaps(facts: OutlineFacts) -> Found:
     "bounded pieces between closed chains that none of them covers, enclosed water included; the "
     "largest width (2 area / perimeter)",
 )
-def border_gaps(facts: OutlineFacts) -> Found:
+def _border_gaps(facts: OutlineFacts) -> Found:
     """Count gaps between neighbouring polygons."""
     return len(facts.slivers.gaps), float(facts.slivers.gaps.max(initial=0.0))
 
 
 @defect(LENGTH, "pieces that two closed chains both cover; the largest width (2 area / perimeter)")
-def border_overlaps(facts: OutlineFacts) -> Found:
+def _border_overlaps(facts: OutlineFacts) -> Found:
     """Count overlaps of neighbouring polygons."""
     return len(facts.slivers.overlaps), float(facts.slivers.overlaps.max(initial=0.0))
 
 
 @defect(LENGTH, "closed chains with positive signed area; their total length")
-def counter_clockwise_chains(facts: OutlineFacts) -> Found:
+def _counter_clockwise_chains(facts: OutlineFacts) -> Found:
     """Count chains that turn left."""
     return _chosen(facts, facts.areas > facts.flat_area)
 
 
 @defect(LENGTH, "closed chains with negative signed area; their total length")
-def clockwise_chains(facts: OutlineFacts) -> Found:
+def _clockwise_chains(facts: OutlineFacts) -> Found:
     """Count chains that turn right."""
     return _chosen(facts, facts.areas < -facts.flat_area)
 
 
 @defect(AREA, "closed chains with an area; the sum of their signed areas")
-def signed_area(facts: OutlineFacts) -> Found:
+def _signed_area(facts: OutlineFacts) -> Found:
     """Sum the signed areas."""
     return int((np.abs(facts.areas) > facts.flat_area).sum()), float(facts.areas.sum())
 
@@ -138,21 +138,21 @@ def _weighted(facts: OutlineFacts, count: IntArray) -> Found:
 
 #: All kinds of defect of an outline, in the order of the table.
 OUTLINE_DEFECTS = (
-    segments,
-    chains,
-    zero_length_segments,
-    closed_chains,
-    open_chains,
-    open_ends,
-    duplicate_segments,
-    opposite_segments,
-    overlapping_segments,
-    crossings,
-    touching,
-    end_gaps,
-    border_gaps,
-    border_overlaps,
-    counter_clockwise_chains,
-    clockwise_chains,
-    signed_area,
+    _segments,
+    _chains,
+    _zero_length_segments,
+    _closed_chains,
+    _open_chains,
+    _open_ends,
+    _duplicate_segments,
+    _opposite_segments,
+    _overlapping_segments,
+    _crossings,
+    _touching,
+    _end_gaps,
+    _border_gaps,
+    _border_overlaps,
+    _counter_clockwise_chains,
+    _clockwise_chains,
+    _signed_area,
 )

@@ -34,26 +34,26 @@ class VoxelFacts:
 
 
 @defect(VOLUME, "all voxels; their volume")
-def voxels(facts: VoxelFacts) -> Found:
+def _voxels(facts: VoxelFacts) -> Found:
     """Count all voxels."""
     return facts.fractions.size, facts.fractions.size * facts.volume
 
 
 @defect(VOLUME, "voxels at least half full; the sum of all fractions, as a volume")
-def material_voxels(facts: VoxelFacts) -> Found:
+def _material_voxels(facts: VoxelFacts) -> Found:
     """Count voxels of material."""
     return int((facts.fractions >= 0.5).sum()), float(facts.fractions.sum()) * facts.volume
 
 
 @defect(VOLUME, "voxels neither empty nor full; the sum of their fractions, as a volume")
-def partial_voxels(facts: VoxelFacts) -> Found:
+def _partial_voxels(facts: VoxelFacts) -> Found:
     """Count voxels between empty and full."""
     is_partial = (facts.fractions > 0) & (facts.fractions < 1)
     return int(is_partial.sum()), float(facts.fractions[is_partial].sum()) * facts.volume
 
 
 @defect("grey values", "voxels beyond `empty` and `full`; by how much at most")
-def clipped_voxels(facts: VoxelFacts) -> Found:
+def _clipped_voxels(facts: VoxelFacts) -> Found:
     """Count voxels whose grey value is clipped."""
     low, high = sorted((facts.image.empty, facts.image.full))
     grey = facts.image.voxels.astype(np.float64)
@@ -62,4 +62,4 @@ def clipped_voxels(facts: VoxelFacts) -> Found:
 
 
 #: All rows of an image, in the order of the table.
-VOXEL_COUNTS = (voxels, material_voxels, partial_voxels, clipped_voxels)
+VOXEL_COUNTS = (_voxels, _material_voxels, _partial_voxels, _clipped_voxels)

@@ -37,6 +37,11 @@ def read(path: Path) -> Reading:
     path
         The file.
 
+    Returns
+    -------
+    Reading
+        The geometry.
+
     Raises
     ------
     GeometryError

@@ -91,6 +91,11 @@ def find_format(geometry: str) -> Format:
 def suffixes_of(*kinds: str) -> list[str]:
     """Return the suffixes of the given kinds of format, of all kinds if none is given.
 
+    Parameters
+    ----------
+    *kinds
+        "outline", "surface" or "image".
+
     Examples
     --------
     >>> suffixes_of("image")

@@ -26,6 +26,11 @@ def read(
     voxel_size, empty, full
         See `tusqh.readers.voxels.image_of`.
 
+    Returns
+    -------
+    Reading
+        The geometry.
+
     Raises
     ------
     GeometryError

@@ -24,6 +24,11 @@ def read(path: Path) -> Reading:
     path
         The file.
 
+    Returns
+    -------
+    Reading
+        The geometry.
+
     Raises
     ------
     GeometryError

@@ -25,6 +25,11 @@ def read(path: Path) -> Reading:
     path
         The file.
 
+    Returns
+    -------
+    Reading
+        The geometry.
+
     Raises
     ------
     ValueError

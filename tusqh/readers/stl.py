@@ -25,6 +25,11 @@ def read(path: Path) -> Reading:
     path
         The file, binary or text.
 
+    Returns
+    -------
+    Reading
+        The geometry.
+
     Raises
     ------
     GeometryError

@@ -46,6 +46,11 @@ def read(path: Path) -> Reading:
     path
         The file.
 
+    Returns
+    -------
+    Reading
+        The geometry.
+
     Raises
     ------
     ValueError
