@@ -10,7 +10,7 @@ from tusqh.antialias.cells import CellSets
 from tusqh.explorer import arrays
 from tusqh.geometry.image import Image
 from tusqh.settings.policy import Policy
-from tusqh.topology.merge_tree import TOP
+from tusqh.topology.clamping import FULL
 
 POLICIES = {
     2: {"components": {"min_cells": 3}, "holes": {"min_cells": 2}},
@@ -34,13 +34,13 @@ def sets_of(subject):
 def test_ranks_tell_the_kept_cells_at_any_threshold(seed, dim, threshold):
     fractions = noise(np.random.default_rng(seed), SHAPES[dim])
     found = arrays.field_arrays(fractions)
-    kept = found["levels"][found["rank"]] >= threshold * TOP
+    kept = found["levels"][found["rank"]] >= threshold * FULL
     np.testing.assert_array_equal(kept.reshape(fractions.grid.shape), fractions.cells >= threshold)
 
 
 def test_plateaus_are_those_of_both_tables(subject):
     found = arrays.plateau_arrays(sets_of(subject), subject.curves, subject.topologies)
-    upper = found["upper"] / TOP
+    upper = found["upper"] / FULL
     assert (np.diff(upper) < 0).all()
     assert set(subject.curves["upper"]) <= set(upper)
     assert set(subject.topologies["upper"]) <= set(upper)
@@ -69,7 +69,7 @@ def test_toggles_lead_to_the_cells_of_every_plateau(subject):
     found = arrays.plateau_arrays(sets, subject.curves, subject.topologies)
     is_special = np.zeros(subject.fractions.grid.n_cells, dtype=bool)
     n_special = 0
-    for p, upper in enumerate(found["upper"] / TOP):
+    for p, upper in enumerate(found["upper"] / FULL):
         first, last = found["toggles_from"][p : p + 2]
         is_special[found["toggles"][first:last]] ^= True
         n_special += is_special.sum()
@@ -90,7 +90,7 @@ def test_pairs_have_their_places_back(subject):
         doubled = np.stack(np.unravel_index(np.maximum(place, 0), shape), axis=1)
         points[event] = np.where(place[:, None] >= 0, grid.to_points(doubled / 2), np.nan)
     ours = np.column_stack(
-        [found["dimension"], found["birth"] / TOP, found["death"] / TOP, *points.values()]
+        [found["dimension"], found["birth"] / FULL, found["death"] / FULL, *points.values()]
     )
     columns = ["dimension", "birth", "death"]
     columns += [f"{event}_{axis}" for event in points for axis in "xyz"[: grid.dim]]

@@ -12,9 +12,8 @@ from scipy import ndimage
 from tusqh.antialias.bridges import REJECTED, Bridge
 from tusqh.antialias.cells import CellSet
 from tusqh.antialias.clusters import CONNECT, NONE, Decisions
+from tusqh.antialias.emit import emit_mesh
 from tusqh.antialias.pinches import find_pinches
-from tusqh.antialias.templates_2d import emit_quads
-from tusqh.antialias.templates_3d import emit_hexes
 from tusqh.errors import MeshError
 from tusqh.grid import BackgroundGrid, BoolArray, IntArray
 from tusqh.meshes.facets import find_facets
@@ -161,10 +160,9 @@ def resolve(
     is_freed = np.zeros(at_vertex.shape, dtype=bool)
     is_pinch = find_pinches(kept).ravel()
     for n_rounds in range(MAX_CLOSING_ROUNDS + 1):
-        if grid.dim == 2:
-            mesh, grid_vertex = emit_quads(kept, at_vertex, grid, bridges=bridges, name=name)
-        else:
-            mesh, grid_vertex = emit_hexes(kept, at_vertex, grid, is_freed=is_freed, name=name)
+        mesh, grid_vertex = emit_mesh(
+            kept, at_vertex, grid, bridges=bridges, is_freed=is_freed, name=name
+        )
         bad = _find_bad_points(mesh, grid_vertex, is_pinch)
         if len(bad) == 0:
             return mesh, n_rounds

@@ -4,8 +4,8 @@ The page needs no faces per threshold.  A face between two cells is on the bound
 cells exactly for ``lower fraction < t <= higher fraction``, so the ranks of the cell fractions say
 it for every threshold; the page lists the faces once and picks the visible ones at each step.
 
-Fractions and thresholds are *keys*, whole multiples of `RESOLUTION` in 0..`TOP`; coordinates are in
-cells from the grid's origin.
+Fractions and thresholds are *keys*, whole multiples of `RESOLUTION` in 0..`FULL`; coordinates are
+in cells from the grid's origin.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.threshold.plateaus import BETTI
-from tusqh.topology.merge_tree import TOP
+from tusqh.topology.clamping import FULL
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -51,10 +51,10 @@ def field_arrays(fractions: VolumeFractions) -> Arrays:
     >>> values[1::2, 1] = 0.75, -0.125
     >>> grid = BackgroundGrid(shape=(2, 1), cell_size=1.0, origin=(0.0, 0.0))
     >>> arrays = field_arrays(VolumeFractions.from_values(grid, 4, values))
-    >>> (arrays["levels"] / TOP).tolist(), arrays["rank"].tolist()
+    >>> (arrays["levels"] / FULL).tolist(), arrays["rank"].tolist()
     ([0.0, 0.75], [1, 0])
     """
-    keys = np.clip(_to_keys(fractions.cells), 0, TOP).ravel()
+    keys = np.clip(_to_keys(fractions.cells), 0, FULL).ravel()
     levels, rank = np.unique(np.append(keys, 0), return_inverse=True)
     return {"levels": levels.astype(np.uint32), "rank": smallest_unsigned(rank[:-1])}
 
@@ -82,7 +82,7 @@ def plateau_arrays(cell_sets: CellSets, curves: pd.DataFrame, topologies: pd.Dat
     """
     ends = [table[end] for table in (curves, topologies) for end in ("upper", "lower")]
     keys = np.unique(_to_keys(np.concatenate(ends)))
-    upper = keys[(keys > 0) & (keys <= TOP)][::-1]
+    upper = keys[(keys > 0) & (keys <= FULL)][::-1]
     arrays = {"upper": upper.astype(np.uint32)}
     of_curve = _row_of(curves, upper)
     for k, name in enumerate(BETTI):

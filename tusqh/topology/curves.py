@@ -12,8 +12,10 @@ import numpy as np
 import pandas as pd
 
 from tusqh.grid import FloatArray, IntArray
-from tusqh.sampling.doubled_grid import RESOLUTION
-from tusqh.topology.merge_tree import TOP, Keys, count_euler, merge_components, to_keys
+from tusqh.sampling.doubled_grid import RESOLUTION, Multiples
+from tusqh.topology.clamping import FULL, clamp_multiples, complement
+from tusqh.topology.euler_count import count_euler
+from tusqh.topology.union_find import merge_components
 
 
 def betti_curves(values: FloatArray) -> pd.DataFrame:
@@ -42,14 +44,14 @@ def betti_curves(values: FloatArray) -> pd.DataFrame:
            [0.75, 0.25, 0.5 , 1.  ],
            [0.25, 0.  , 0.25, 1.  ]])
     """
-    keys = to_keys(values)
+    keys = clamp_multiples(_to_multiples(values))
     levels = _levels(keys)
     upper, lower = levels[:-1], levels[1:]
     euler = np.cumsum(count_euler(keys)[::-1])[::-1][upper]
     born, died, _, _ = merge_components(keys)
     components = _count_at_least(born, upper) - _count_at_least(died, upper)
-    born, died, _, _ = merge_components(_complement(keys))
-    outside = TOP + 2 - upper  # The lowest complement key of a node that is out.
+    born, died, _, _ = merge_components(complement(keys))
+    outside = FULL + 2 - upper  # The lowest complement key of a node that is out.
     enclosed = _count_at_least(born, outside) - _count_at_least(died, outside) - 1
     if values.ndim == 2:
         betti = [components, enclosed, np.zeros_like(components)]
@@ -84,17 +86,17 @@ def outer_pairs(values: FloatArray) -> pd.DataFrame:
     array([[ 0.  ,  1.  ,  0.  , -1.  ],
            [ 0.  ,  0.75,  0.5 , 12.  ]])
     """
-    keys = to_keys(values)
+    keys = clamp_multiples(_to_multiples(values))
     born, died, born_at, died_at = merge_components(keys)
     tables = [_to_table(0, born, died, born_at, died_at)]
-    born, died, born_at, died_at = merge_components(_complement(keys))
+    born, died, born_at, died_at = merge_components(complement(keys))
     is_enclosed = died > 0  # What never merges in the complement is the outside.
     tables.append(
         _to_table(
             values.ndim - 1,
             # A class exists from the key at which its void is cut off until it is filled.
-            TOP + 1 - died[is_enclosed],
-            TOP + 1 - born[is_enclosed],
+            FULL + 1 - died[is_enclosed],
+            FULL + 1 - born[is_enclosed],
             died_at[is_enclosed],
             born_at[is_enclosed],
         )
@@ -134,10 +136,10 @@ def persistence_by_cell(values: FloatArray) -> tuple[FloatArray, FloatArray]:
     >>> float(components.max()), float(holes[1, 1])
     (1.0, 0.75)
     """
-    keys = to_keys(values)
+    keys = clamp_multiples(_to_multiples(values))
     shape = tuple(n // 2 for n in values.shape)
     found = []
-    for of_nodes in (keys, _complement(keys)):
+    for of_nodes in (keys, complement(keys)):
         born, died, born_at, _ = merge_components(of_nodes)
         places = np.stack(np.unravel_index(born_at, keys.shape)) // 2 - 1
         is_inside = ((places >= 0) & (places < np.array(shape)[:, None])).all(axis=0)
@@ -165,15 +167,15 @@ def _to_table(
     )
 
 
-def _complement(keys: Keys) -> Keys:
-    """Return the keys in the order in which nodes leave, above 0 so that all of them do."""
-    return np.asarray(TOP + 1 - keys, dtype=np.int32)
+def _to_multiples(values: FloatArray) -> Multiples:
+    """Return fractions as multiples of `RESOLUTION`."""
+    return np.rint(np.asarray(values) / RESOLUTION).astype(np.int32)
 
 
-def _levels(keys: Keys) -> IntArray:
-    """Return the distinct keys of all nodes, with 0 and TOP, from high to low."""
-    is_there = np.zeros(TOP + 1, dtype=bool)
-    is_there[[0, TOP]] = True
+def _levels(keys: Multiples) -> IntArray:
+    """Return the distinct keys of all nodes, with 0 and FULL, from high to low."""
+    is_there = np.zeros(FULL + 1, dtype=bool)
+    is_there[[0, FULL]] = True
     for index, layer in enumerate(keys):
         # Nodes are all places but edges in 2D and faces in 3D: those with dim - 1 odd indices.
         n_odd = index % 2 + np.indices(layer.shape).__mod__(2).sum(axis=0)

@@ -1,20 +1,4 @@
-"""The background grid and every numbering convention of the project.
-
-Arrays are indexed ``[i, j]`` or ``[i, j, k]`` = (x, y[, z]), C order.  A grid of shape
-``n = (nx, ny)`` has cells ``0 <= i < nx`` and grid vertices ``0 <= i <= nx``::
-
-      (0,2)---(1,2)---(2,2)            3 ----2---- 2        corners and sides of
-        | (0,1) | (1,1) |              |           |        a quad, VTK order:
-      (0,1)---(1,1)---(2,1)            3           1        corner c is the start
-        | (0,0) | (1,0) |              |           |        of side c, walked
-      (0,0)---(1,0)---(2,0)            0 ----0---- 1        counter-clockwise
-
-The *doubled grid* (Khalimsky grid) of shape ``2 n + 1`` numbers the primal cells of all
-dimensions at once: along each axis an odd index is the open body of a cell, an even one a grid
-plane, so in 2D ``(odd, odd)`` is a quad, one even an edge and ``(even, even)`` a vertex.
-
-Vertices are ``(n, dim)`` float64 arrays, connectivity is ``(m, 2**dim)`` int64 in VTK order.
-"""
+"""The background grid: equal cubic cells over a box."""
 
 from __future__ import annotations
 
@@ -23,25 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tusqh.errors import SamplingError
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
-
-#: Corner offsets of a quad in VTK order, shape (4, 2).
-QUAD_CORNERS: IntArray = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=np.int64)
-
-#: Corner offsets of a hex in VTK order, shape (8, 3).
-HEX_CORNERS: IntArray = np.array(
-    [[*corner, z] for z in (0, 1) for corner in QUAD_CORNERS.tolist()], dtype=np.int64
-)
-
-#: Index offset of the neighbour across each side of a quad (see the drawing), shape (4, 2).
-QUAD_SIDES: IntArray = np.array([[0, -1], [1, 0], [0, 1], [-1, 0]], dtype=np.int64)
-
+from tusqh.grid.arrays import FloatArray, IntArray
 
 #: Cell sizes whose cube does not underflow or overflow, in units of the model.
 _SMALLEST, _LARGEST = 1e-100, 1e100

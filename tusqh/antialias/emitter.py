@@ -1,0 +1,135 @@
+"""The emitter: numbers the points of templates, collects the elements, and makes the mesh."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tusqh.antialias.templates import TEMPLATES
+from tusqh.grid.arrays import BoolArray, FloatArray, IntArray
+from tusqh.grid.background import BackgroundGrid
+from tusqh.grid.numbering import CORNERS
+from tusqh.meshes.volume_mesh import VolumeMesh
+
+
+class Emitter:
+    """The points numbered and the elements collected so far.
+
+    Points are numbered in three blocks: all grid vertices, the corners of the inner cells of the
+    cells that have one, and points added with `add_points`.  `finish` leaves out unused ones.
+
+    Parameters
+    ----------
+    grid
+        The background grid, of shape n.
+    has_inner
+        Cells with an inner cell, shape n.
+    """
+
+    def __init__(self, grid: BackgroundGrid, has_inner: BoolArray) -> None:
+        self.grid = grid
+        self.template = TEMPLATES[grid.dim]
+        self.vertex_shape = tuple(n + 1 for n in grid.shape)
+        self.n_vertices = int(np.prod(self.vertex_shape))
+        self._with_inner = np.flatnonzero(has_inner)
+        self._inner_number = np.full(grid.n_cells, -1, dtype=np.int64)
+        self._inner_number[self._with_inner] = np.arange(len(self._with_inner))
+        self._end_of_inner = self.n_vertices + self.template.n_corners * len(self._with_inner)
+        self._corner_step = np.array(
+            [np.ravel_multi_index(tuple(c), self.vertex_shape) for c in CORNERS[grid.dim]]
+        )
+        self._added: list[FloatArray] = []
+        self._n_points = self._end_of_inner
+        self._elements: list[IntArray] = []
+        self._owners: list[IntArray] = []
+        self._kinds: list[IntArray] = []
+
+    def outer(self, cells: IntArray) -> IntArray:
+        """Return the grid vertices at the corners of flat cells, shape (m, 2**dim)."""
+        lowest = np.ravel_multi_index(np.unravel_index(cells, self.grid.shape), self.vertex_shape)
+        return np.asarray(lowest[:, None] + self._corner_step, dtype=np.int64)
+
+    def inner(self, cells: IntArray) -> IntArray:
+        """Return the corners of the inner cells of flat cells, shape (m, 2**dim)."""
+        n_corners = self.template.n_corners
+        first = self.n_vertices + n_corners * self._inner_number[cells]
+        return np.asarray(first[:, None] + np.arange(n_corners), dtype=np.int64)
+
+    def add_points(self, positions: FloatArray) -> IntArray:
+        """Return the numbers of new points at positions in cells from the grid's lowest corner."""
+        numbers = self._n_points + np.arange(len(positions), dtype=np.int64)
+        self._added.append(positions)
+        self._n_points += len(positions)
+        return numbers
+
+    def add(self, elements: IntArray, owners: IntArray, kind: int) -> None:
+        """Add elements of one kind.
+
+        Parameters
+        ----------
+        elements
+            Numbers of their points, in VTK order, shape (m, 2**dim).
+        owners
+            Flat cells in which they lie, shape (m,).
+        kind
+            One of the kinds of `tusqh.meshes.volume_mesh`.
+        """
+        self._elements.append(elements)
+        self._owners.append(owners)
+        self._kinds.append(np.full(len(elements), kind, dtype=np.int64))
+
+    def add_cells(self, cells: BoolArray, kind: int) -> None:
+        """Add whole cells, shape n, as elements of one kind."""
+        flat = np.flatnonzero(cells)
+        self.add(self.outer(flat), flat, kind)
+
+    def add_inner_cells(self, cells: BoolArray, kind: int) -> None:
+        """Add the inner cells of cells, shape n, as elements of one kind."""
+        flat = np.flatnonzero(cells)
+        self.add(self.inner(flat), flat, kind)
+
+    def add_frusta(self, face: int, cells: BoolArray, kind: int) -> None:
+        """Add the frusta at one face of cells, shape n, as elements of one kind."""
+        flat = np.flatnonzero(cells)
+        corners = np.concatenate([self.outer(flat), self.inner(flat)], axis=1)
+        self.add(corners[:, self.template.frusta[face]], flat, kind)
+
+    def finish(self, name: str) -> tuple[VolumeMesh, IntArray]:
+        """Return the mesh of all elements, in the order of their cells.
+
+        Returns
+        -------
+        mesh
+            The mesh.
+        grid_vertex
+            For every point of the mesh its flat grid vertex, -1 for other points, shape (n,).
+        """
+        owner = np.concatenate(self._owners)
+        order = np.argsort(owner, kind="stable")
+        elements = np.concatenate(self._elements)[order]
+        is_used = np.zeros(self._n_points, dtype=bool)
+        is_used[elements.ravel()] = True
+        used = np.flatnonzero(is_used)
+        number = np.cumsum(is_used, dtype=np.int64) - 1
+        mesh = VolumeMesh(
+            points=self.grid.to_points(self._positions(used)),
+            cells=number[elements],
+            kind=np.concatenate(self._kinds)[order],
+            grid_cell=owner[order],
+            name=name,
+        )
+        return mesh, np.where(used < self.n_vertices, used, -1)
+
+    def _positions(self, points: IntArray) -> FloatArray:
+        """Return the positions of ascending points, in cells from the grid's lowest corner."""
+        bounds = np.searchsorted(points, [self.n_vertices, self._end_of_inner])
+        vertices, inner, added = np.split(points, bounds)
+        cell, corner = np.divmod(inner - self.n_vertices, self.template.n_corners)
+        lowest = np.stack(np.unravel_index(self._with_inner[cell], self.grid.shape), axis=1)
+        nothing = np.empty((0, self.grid.dim))
+        return np.concatenate(
+            [
+                np.stack(np.unravel_index(vertices, self.vertex_shape), axis=1),
+                lowest + self.template.inner[corner],
+                np.concatenate([nothing, *self._added])[added - self._end_of_inner],
+            ]
+        )

@@ -1,0 +1,92 @@
+"""The values of the filtration's nodes, as integer multiples of `RESOLUTION`.
+
+A node is present at level ``k`` when its own multiple is at least ``k``; a multiple of 0 never is.
+Interior edges and vertices are clamped to the range of the cells around them (paper: Transferring
+Persistent Parameters to Simplices), and fractions to [0, 1]: no threshold in (0, 1] tells values
+below 0, or above 1, apart.
+"""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+
+from tusqh.grid.doubled import as_layer
+from tusqh.sampling.doubled_grid import RESOLUTION, Multiples
+
+#: Multiple of a full cell.
+FULL = round(1 / RESOLUTION)
+
+#: Layers of empty places around the doubled grid: one layer of cells, so that all vertices of the
+#: grid are interior.
+MARGIN = 2
+
+
+def clamp_multiples(multiples: Multiples) -> Multiples:
+    """Return the multiples of all nodes, with one layer of empty cells around them.
+
+    Parameters
+    ----------
+    multiples
+        Fractions on the doubled grid as multiples of `RESOLUTION`, shape ``2 n + 1``, int32.
+
+    Returns
+    -------
+    nodes
+        Multiples in 0..`FULL`, shape ``2 n + 5``, int32.  Places without a node (edges in 2D,
+        faces in 3D) keep theirs.
+
+    Examples
+    --------
+    A vertex lies between its cells:
+
+    >>> multiples = np.zeros((5, 5), dtype=np.int32)
+    >>> multiples[1::2, 1::2] = [[2, 3], [4, 5]]
+    >>> multiples[2, 2] = 9
+    >>> int(clamp_multiples(multiples)[4, 4])
+    5
+    """
+    nodes = np.pad(np.clip(multiples, 0, FULL).astype(np.int32), MARGIN)
+    layer = as_layer(nodes)
+    _clamp(layer)
+    return np.asarray(layer if nodes.ndim == 3 else layer[1])
+
+
+def complement(nodes: Multiples) -> Multiples:
+    """Return multiples in the order in which nodes leave as the threshold falls.
+
+    Parameters
+    ----------
+    nodes
+        See `clamp_multiples`.
+
+    Returns
+    -------
+    left
+        Multiples in 1..``FULL + 1``: above 0, so that every node is present at the end.
+
+    Notes
+    -----
+    The complement of a full subcomplex retracts onto the full subcomplex of the other nodes, so
+    its components are the holes (2D) or voids (3D), and the outside (algorithm 2).
+    """
+    return np.asarray(FULL + 1 - nodes, dtype=np.int32)
+
+
+@numba.njit(cache=True)
+def _clamp(nodes):  # type: ignore[no-untyped-def]
+    """Clamp interior edges and vertices of an array in space, in place, to the cells around."""
+    n_x, n_y, n_z = nodes.shape
+    for i in range(1, n_x - 1):
+        for j in range(1, n_y - 1):
+            for k in range(1, n_z - 1):
+                odd_i, odd_j, odd_k = i % 2, j % 2, k % 2
+                if odd_i + odd_j + odd_k > 1:
+                    continue
+                low, high = FULL, 0
+                for x in range(i - 1 + odd_i, i + 2 - odd_i, 2):
+                    for y in range(j - 1 + odd_j, j + 2 - odd_j, 2):
+                        for z in range(k - 1 + odd_k, k + 2 - odd_k, 2):
+                            low, high = min(low, nodes[x, y, z]), max(high, nodes[x, y, z])
+                # A clamped edge lies in the range of its cells, so these suffice for a vertex.
+                nodes[i, j, k] = min(max(nodes[i, j, k], low), high)

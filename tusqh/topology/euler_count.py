@@ -1,0 +1,138 @@
+"""The Euler characteristic of the filtration at every level, by counting simplices.
+
+Every simplex of the complex has a place of lowest dimension on the doubled grid: a cell alone, a
+face for a pair of cells, or the edge or vertex that is its lowest node.  So the complex falls
+apart into one *star* per place::
+
+    cell      the cell                                                        +1
+    face      the pair of its two cells                                       -1
+    edge      the edge, coned to its 4 cells and the 4 pairs of these         1 - 4 + 4
+    vertex    the vertex, coned to its 8 cells, 12 pairs and 6 edges, and to  1 - 8 + 12
+              each edge with its 4 cells and 4 pairs                          - 6 + 24 - 24
+
+A simplex appears when the last of its nodes does, at the smallest of their multiples.  A grid in
+the plane is a layer of cells in space: its vertices have the star of an edge.
+"""
+
+from __future__ import annotations
+
+import itertools
+from functools import cache
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from tusqh.grid.arrays import IntArray
+from tusqh.grid.doubled import Offset, as_layer, cells_around, unit_offsets
+from tusqh.sampling.doubled_grid import Multiples
+from tusqh.topology.clamping import FULL
+
+
+class _Stars(NamedTuple):
+    """The simplices of the star of every parity.
+
+    Parameters
+    ----------
+    start
+        The star of parity ``p`` (bit 0 for x) has the rows ``start[p] <= row < start[p + 1]``.
+    nodes
+        Offsets to the nodes of each simplex, shape (n, 4, 3); a node is repeated to make four.
+    sign
+        -1 to the power of the dimension of each simplex, shape (n,).
+    total
+        Sum of the signs of each star, shape (8,).
+    """
+
+    start: IntArray
+    nodes: IntArray
+    sign: IntArray
+    total: IntArray
+
+
+def count_euler(nodes: Multiples) -> IntArray:
+    """Return by how much the Euler characteristic grows at each level.
+
+    Parameters
+    ----------
+    nodes
+        Multiples of all nodes, see `tusqh.topology.clamping.clamp_multiples`.
+
+    Returns
+    -------
+    change
+        Shape (`FULL` + 1,); the Euler characteristic at level ``k`` is ``change[k:].sum()``.
+
+    Examples
+    --------
+    Two full cells side by side: two vertices and an edge between them.
+
+    >>> from tusqh.topology.clamping import clamp_multiples
+    >>> multiples = np.zeros((5, 3), dtype=np.int32)
+    >>> multiples[1::2, 1] = FULL
+    >>> int(count_euler(clamp_multiples(multiples))[FULL])
+    1
+    """
+    change = np.zeros(FULL + 1, dtype=np.int64)
+    _count(as_layer(nodes), *_stars(), change)
+    return change
+
+
+@cache
+def _stars() -> _Stars:
+    simplices = [_star((p & 1, p >> 1 & 1, p >> 2)) for p in range(8)]
+    rows = [s for star in simplices for s in star]
+    sign = np.array([1 if len(s) % 2 else -1 for s in rows], dtype=np.int64)
+    start = np.cumsum([0, *map(len, simplices)])
+    nodes = np.array([(s * 4)[:4] for s in rows], dtype=np.int64)
+    return _Stars(start, nodes, sign, np.add.reduceat(sign, start[:-1]))
+
+
+def _star(parity: Offset) -> list[tuple[Offset, ...]]:
+    """List the simplices whose place of lowest dimension has a parity, by their nodes."""
+    here, cells = (0, 0, 0), cells_around(parity)
+    pairs = [p for p in itertools.combinations(cells, 2) if _n_different(*p) == 1]
+    if sum(parity) == 3:
+        return [(here,)]
+    if sum(parity) == 2:
+        return [*pairs]
+    link: list[tuple[Offset, ...]] = [*((c,) for c in cells), *pairs]
+    if sum(parity) == 0:
+        cones = [
+            (edge, *s) for edge in unit_offsets(3) for s in link if all(_touch(edge, c) for c in s)
+        ]
+        link += [*((edge,) for edge in unit_offsets(3)), *cones]
+    return [(here,), *((here, *s) for s in link)]
+
+
+def _n_different(a: Offset, b: Offset) -> int:
+    return sum(x != y for x, y in zip(a, b, strict=True))
+
+
+def _touch(edge: Offset, cell: Offset) -> bool:
+    """Return whether an edge and a cell around one vertex touch."""
+    return sum(a * b for a, b in zip(edge, cell, strict=True)) == 1
+
+
+@numba.njit(cache=True)
+def _count(nodes, start, simplices, sign, total, change):  # type: ignore[no-untyped-def]
+    n_x, n_y, n_z = nodes.shape
+    for i in range(1, n_x - 1):
+        for j in range(1, n_y - 1):
+            for k in range(1, n_z - 1):
+                odd_i, odd_j, odd_k = i % 2, j % 2, k % 2
+                low, high = FULL, 0
+                for x in range(i - 1 + odd_i, i + 2 - odd_i, 2):
+                    for y in range(j - 1 + odd_j, j + 2 - odd_j, 2):
+                        for z in range(k - 1 + odd_k, k + 2 - odd_k, 2):
+                            low, high = min(low, nodes[x, y, z]), max(high, nodes[x, y, z])
+                parity = odd_i + 2 * odd_j + 4 * odd_k
+                if low == high:  # All nodes of the star have this multiple: it appears as a whole.
+                    change[low] += total[parity]
+                    continue
+                for s in range(start[parity], start[parity + 1]):
+                    level = FULL
+                    for m in range(4):
+                        x, y, z = simplices[s, m, 0], simplices[s, m, 1], simplices[s, m, 2]
+                        level = min(level, nodes[i + x, j + y, k + z])
+                    change[level] += sign[s]
