@@ -100,8 +100,8 @@ def geometry_of(wildcards):
 
 def reader_of(wildcards):
     """Return the fingerprint of the module that reads a model's format."""
-    module = find_format(MODELS[wildcards.model]["geometry"]).module
-    return code_fingerprint(f"tusqh/readers/{module}.py", base=BASE)
+    reader = find_format(MODELS[wildcards.model]["geometry"]).module
+    return code_fingerprint(f"tusqh/readers/{reader}.py", base=BASE)
 
 
 def source_of(path):
