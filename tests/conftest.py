@@ -1,14 +1,20 @@
+import os
 import sys
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
 import pytest
+from filelock import FileLock
 
 from tusqh.geometry.outline import Outline
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 
-sys.path.insert(0, str(Path(__file__).parent))  # for `import oracles` and `fields`
+sys.path.insert(0, str(Path(__file__).parent))  # For modules such as `oracles` and `fields`.
+
+from small_project import add_models  # noqa: E402
+from workflow_runs import succeed  # noqa: E402
 
 
 @pytest.fixture(scope="session")
@@ -22,3 +28,45 @@ def square() -> Outline:
     return Outline.from_chains(
         [np.array([[0.0, 0], [1, 0], [1, 1], [0, 1], [0, 0]])], name="square"
     )
+
+
+@pytest.fixture(scope="session")
+def make_once(tmp_path_factory):
+    """Return a function that fills a folder once, even when several processes run the tests."""
+    base = tmp_path_factory.getbasetemp()
+    shared = base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base
+
+    def make_once(name, fill):
+        folder, ended = shared / name, shared / f"{name}.ended"
+        with FileLock(shared / f"{name}.lock"):
+            if not ended.exists():
+                ended.write_text("failed in another process, whose messages say why")
+                folder.mkdir()
+                fill(folder)
+                ended.write_text("")
+        if ended.read_text():
+            pytest.fail(f"{name}: {ended.read_text()}")
+        return folder
+
+    return make_once
+
+
+@pytest.fixture(scope="session")
+def built(make_once):
+    """A small project with all its results. No test may change it."""
+
+    def build(folder):
+        add_models(folder)
+        succeed(folder, TZ="UTC", PYTHONHASHSEED="0")
+
+    return make_once("built", build)
+
+
+def pytest_terminal_summary(terminalreporter):
+    """Say which tests were not run, why, and how to get what they need."""
+    reports = terminalreporter.stats.get("skipped", [])
+    reasons = Counter(str(report.longrepr[-1]).removeprefix("Skipped: ") for report in reports)
+    if reasons:
+        terminalreporter.section("Not run")
+    for reason, n_tests in sorted(reasons.items()):
+        terminalreporter.line(f"{n_tests} {'test' if n_tests == 1 else 'tests'}: {reason}")

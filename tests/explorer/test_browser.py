@@ -1,11 +1,11 @@
 """Explorers opened from disk in a browser: what they show is what the library says."""
 
 import json
-import shutil
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from needs import find_browser
 from playwright.sync_api import sync_playwright
 from subjects import keys_of, make_subject, noise
 
@@ -23,7 +23,6 @@ FLAGS = [
     *("--enable-unsafe-swiftshader", "--disable-background-networking", "--no-first-run"),
     *("--disable-component-update", "--disable-sync"),
 ]
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 POLICIES = {
     "plane": {"components": {"min_cells": 3}, "holes": {"min_cells": 2}},
     "space": {"components": {"min_cells": 4}, "voids": {"min_cells": 2}},
@@ -34,11 +33,8 @@ ATTACK = "</script><script>document.title = 'taken'</script><img src=x onerror=a
 
 @pytest.fixture(scope="module")
 def browser():
-    found = [path for path in map(shutil.which, BROWSERS) if path]
-    if not found:
-        pytest.fail(f"none of {', '.join(BROWSERS)} on the PATH: apt-get install chromium")
     with sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=found[0], args=FLAGS)
+        opened = playwright.chromium.launch(executable_path=find_browser(playwright), args=FLAGS)
         yield opened
         opened.close()
 

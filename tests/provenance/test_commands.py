@@ -13,7 +13,7 @@ from provenance import rebuild
 from tusqh.cli.app import app
 from tusqh.errors import ConfigError, ProvenanceError, TusqhError
 
-FIGURE = "results/gap/figures/diagram.png"
+FIGURE = "results/plate/figures/diagram.png"
 
 
 @pytest.fixture
@@ -38,7 +38,7 @@ def test_verify_says_same_different_and_cannot_tell(project, run):
     project.flip(FIGURE)
     code, text = run("verify")
     assert code == 1
-    assert f"different: {FIGURE} (gap/figure_diagram)" in text
+    assert f"different: {FIGURE} (plate/figure_diagram)" in text
     assert f"--force -- {FIGURE}" in text
     shutil.rmtree(project / "results/provenance")
     code, text = run("verify")
@@ -54,7 +54,7 @@ def test_verify_prints_json(project, run):
     (finding,) = [f for f in report["findings"] if f["outcome"] == "different"]
     assert finding["file"] == FIGURE
     outcomes = {row["step"]: row for row in report["steps"]}
-    assert outcomes["gap/mesh"] == {"step": "gap/mesh", "outcome": "same", "equality": "exact"}
+    assert outcomes["plate/mesh"] == {"step": "plate/mesh", "outcome": "same", "equality": "exact"}
     assert 0 < report["recording_share"] < 0.5
 
 
@@ -76,7 +76,7 @@ def test_lock_refuses_what_is_not_as_recorded_and_says_what_changed(project, run
 def test_trace_leads_to_the_register(run):
     code, text = run("trace", FIGURE, options=False)
     assert code == 0
-    for part in ("gap/figure_diagram", "gap/sample", "data_sources/gap.svg", "BSD-3-Clause"):
+    for part in ("plate/figure_diagram", "plate/sample", "data_sources/plate.svg", "BSD-3-Clause"):
         assert part in text
 
 
@@ -94,30 +94,30 @@ def test_trace_knows_a_figure_found_elsewhere(project, run, tmp_path, figure):
 
 
 def test_trace_says_when_something_behind_has_changed(project, run):
-    project.flip("results/gap/fractions.npz")
+    project.flip("results/plate/fractions.npz")
     code, text = run("trace", FIGURE, options=False)
     assert code == 1
-    assert "changed since: results/gap/fractions.npz" in text
+    assert "changed since: results/plate/fractions.npz" in text
 
 
 def test_trace_says_when_a_step_read_something_else(project, run):
     zeros = {"sha256": 64 * "0"}
     project.edit_record(
-        "results/provenance/gap/export.json", lambda what: what["inputs"][0].update(zeros)
+        "results/provenance/plate/export.json", lambda what: what["inputs"][0].update(zeros)
     )
-    code, text = run("trace", "results/gap/export/mesh.msh", options=False)
+    code, text = run("trace", "results/plate/export/mesh.msh", options=False)
     assert code == 1
-    assert "changed since: results/gap/" in text
+    assert "changed since: results/plate/" in text
 
 
 def test_trace_says_when_a_record_is_missing(project, run):
-    (project / "results/provenance/gap/mesh.json").unlink()
-    code, text = run("trace", "results/gap/export/mesh.msh", options=False)
+    (project / "results/provenance/plate/mesh.json").unlink()
+    code, text = run("trace", "results/plate/export/mesh.msh", options=False)
     assert code == 1
     assert "its record is missing" in text
     code, text = run("verify")
     assert code == 2
-    assert "--forcerun results/provenance/gap/mesh.json" in text
+    assert "--forcerun results/provenance/plate/mesh.json" in text
 
 
 def test_a_lock_that_is_broken_can_be_made_anew_and_one_that_is_not_there_is_an_error(project, run):
@@ -152,20 +152,20 @@ def test_rebuild_compares_what_was_made_anew(project, run, monkeypatch):
         for target in targets:
             (folder / target).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(target, folder / target)
-        (folder / "results/gap/curves.csv").write_text("upper,lower\n")
+        (folder / "results/plate/curves.csv").write_text("upper,lower\n")
 
     monkeypatch.setattr(rebuild, "_run", copy_but_one)
-    code, text = run("verify", "--rebuild", "gap")
+    code, text = run("verify", "--rebuild", "plate")
     assert code == 1
-    assert "different: results/gap/curves.csv (gap/persistence)" in text
-    with pytest.raises(ProvenanceError, match="there is no model 'gaps'"):
-        run("verify", "--rebuild", "gaps")
+    assert "different: results/plate/curves.csv (plate/persistence)" in text
+    with pytest.raises(ProvenanceError, match="there is no model 'plates'"):
+        run("verify", "--rebuild", "plates")
 
 
 @pytest.mark.slow
 def test_rebuild_for_real(project):
     # In a process of its own: Snakemake's messages need a real standard error.
-    command = [sys.executable, "-m", "tusqh", "verify", "--rebuild", "gap"]
+    command = [sys.executable, "-m", "tusqh", "verify", "--rebuild", "plate"]
     options = ["--snakefile", str(project.snakefile)]
     done = subprocess.run([*command, *options], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr

@@ -60,7 +60,7 @@ def test_sources_have_their_licence_and_stay_outside(project):
     assert len(entities) == len(crate["@graph"]), "every id stands once"
     sources = [e for e in entities.values() if e["@id"].startswith("ni:///sha-256;")]
     licences = {e["name"]: e.get("license") for e in sources}
-    assert licences["data_sources/gap.svg"] == "BSD-3-Clause"
+    assert licences["data_sources/plate.svg"] == "BSD-3-Clause"
     assert licences["data_sources/ring.stl"] == "CC0-1.0"
     for entity in entities.values():
         for value in entity.values():

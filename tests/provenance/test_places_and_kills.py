@@ -5,7 +5,9 @@ import time
 
 import psutil
 import pytest
-from small_project import Project, add_models, copy_checkout, snakemake, start
+from project import Project
+from small_project import add_models, copy_code
+from workflow_runs import start, succeed
 
 from provenance import code
 from provenance.findings import Outcome, merge
@@ -35,12 +37,13 @@ def run_with_kills(folder, n_kills, seed):
     Returns how many kills there were before nothing was left to do.
     """
     rng = random.Random(seed)
-    # The folder is locked by whoever died; its profile makes unfinished outputs again.
-    command = ["--cores", "3", "--nolock"]
     surroundings = SURROUNDINGS | {"PYTHONPATH": str(folder)}
+    # A killed process leaves the folder locked; the profile makes unfinished outputs again.
+    arguments = ["--nolock"]
+    options = {"snakefile": folder / "Snakefile", "cores": 3} | surroundings
     kills = 0
     while kills < n_kills:
-        process = start(folder, *command, **surroundings)
+        process = start(folder, *arguments, **options)
         wanted, finished = rng.randint(0, 3), 0
         for line in process.stdout:
             finished += line.startswith("Finished jobid")
@@ -51,20 +54,20 @@ def run_with_kills(folder, n_kills, seed):
             break
         kill(process)
         kills += 1
-    snakemake(folder, *command, **surroundings)
+    succeed(folder, *arguments, **options)
     return kills
 
 
-def check_the_same(built, folder, monkeypatch):
+def check_the_same(locked, folder, monkeypatch):
     """Compare every record and file with those made undisturbed in another place."""
-    names = {p.relative_to(built) for p in (built / "results").rglob("*") if p.is_file()}
+    names = {p.relative_to(locked) for p in (locked / "results").rglob("*") if p.is_file()}
     there = {p.relative_to(folder) for p in (folder / "results").rglob("*") if p.is_file()}
-    (folder / "results/lock.json").write_bytes((built / "results/lock.json").read_bytes())
+    (folder / "results/lock.json").write_bytes((locked / "results/lock.json").read_bytes())
     assert there | {(folder / "results/lock.json").relative_to(folder)} == names
     whats = [n for n in names if "provenance" in n.parts and not n.name.endswith(".how.json")]
     assert len(whats) > 40
     for name in whats:
-        assert (folder / name).read_bytes() == (built / name).read_bytes(), name
+        assert (folder / name).read_bytes() == (locked / name).read_bytes(), name
     monkeypatch.chdir(folder)
     monkeypatch.setattr(code, "PACKAGE_ROOT", folder)
     report = Project(folder, folder / "Snakefile").verify()
@@ -76,14 +79,14 @@ def check_the_same(built, folder, monkeypatch):
     "n_kills", [3, pytest.param(20, marks=pytest.mark.slow)], ids="{}-kills".format
 )
 def test_elsewhere_and_after_kills_every_byte_is_the_same(
-    repository, built, tmp_path, monkeypatch, n_kills
+    repository, locked, tmp_path, monkeypatch, n_kills
 ):
     folder = tmp_path / "otherwise"
     folder.mkdir()
-    add_models(repository, folder)
-    copy_checkout(repository, folder)
+    add_models(folder)
+    copy_code(repository, folder)
     assert run_with_kills(folder, n_kills, seed=n_kills) == n_kills
-    check_the_same(built, folder, monkeypatch)
+    check_the_same(locked, folder, monkeypatch)
 
 
 def jobs_of(said):
@@ -100,23 +103,29 @@ def jobs_of(said):
     return jobs
 
 
+def in_its_folder(project, *arguments):
+    """Run snakemake with the copy of the code beside the results."""
+    options = {"snakefile": project.snakefile, "PYTHONPATH": str(project.folder)}
+    return succeed(project.folder, *arguments, **options)
+
+
 def dry_run(project):
-    return snakemake(project.folder, "--dry-run", PYTHONPATH=str(project.folder))
+    return in_its_folder(project, "--dry-run")
 
 
 def test_one_models_entry_reruns_that_models_steps(checkout):
     checkout.edit("config/config.yaml", "threshold: 0.5", "threshold: 0.6")
     jobs = jobs_of(dry_run(checkout))
-    assert ("select", "gap") in jobs
-    assert {model for _, model in jobs} == {"gap", None}
-    assert not {("ingest", "gap"), ("sample", "gap"), ("sweep_2d", "gap")} & jobs
+    assert ("select", "plate") in jobs
+    assert {model for _, model in jobs} == {"plate", None}
+    assert not {("ingest", "plate"), ("sample", "plate"), ("sweep_2d", "plate")} & jobs
 
 
 def test_a_figures_script_reruns_that_figure_and_what_shows_it(checkout):
     script = "workflow/scripts/figure_contaminant.py"
     checkout.edit(script, "import pandas as pd", "import pandas as pd\n\n_SCALE = 1")
     jobs = jobs_of(dry_run(checkout))
-    assert {job for job in jobs if job[1]} == {("figure_contaminant", "gap")}
+    assert {job for job in jobs if job[1]} == {("figure_contaminant", "plate")}
     assert {rule for rule, model in jobs if not model} <= {"overview", "crate", "all"}
 
 
@@ -130,9 +139,9 @@ def test_comments_and_touched_files_rerun_nothing(checkout):
 
 
 def test_the_remedy_mends(checkout):
-    file = "results/gap/fractions.npz"
+    file = "results/plate/fractions.npz"
     checkout.flip(file)
     (finding,) = [f for f in checkout.verify().findings if f.file == file]
     words = finding.remedy.replace(f"--snakefile {checkout.snakefile}", "").split()
-    snakemake(checkout.folder, *words[1:], PYTHONPATH=str(checkout.folder))
+    in_its_folder(checkout, *words[1:])
     assert checkout.verify().verdict is Outcome.SAME

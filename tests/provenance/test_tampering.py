@@ -42,8 +42,8 @@ def test_untouched_results_are_the_same_in_another_place(checkout):
 
 def test_a_flipped_bit_is_caught_in_every_kind_of_file(project):
     files = [
-        *("results/gap/figures/thresholds.png", "results/figures/pinches.png"),
-        *("results/gap/curves.csv", "results/tables/summary.csv", "results/gap/mesh.vtu"),
+        *("results/plate/figures/thresholds.png", "results/figures/pinches.png"),
+        *("results/plate/curves.csv", "results/tables/summary.csv", "results/plate/mesh.vtu"),
         *("results/ring/sweep/0.5.vtu", "results/ring/export/mesh.exo"),
         *("results/ring/geometry.vtp", "results/ro-crate-metadata.json"),
     ]
@@ -64,14 +64,14 @@ def test_a_flipped_bit_is_caught_in_every_kind_of_file(project):
 
 def test_edited_records_are_caught(project):
     changes = {
-        "gap/ingest": {"step": "quality"},
-        "gap/sample": {"model": "ring"},
-        "gap/persistence": {"parameters": {"samples": 8}},
-        "gap/select": {"code": {"script": "workflow/scripts/select.py", "sha256": 64 * "0"}},
-        "gap/mesh": {"inputs": []},
-        "gap/quality": {"outputs": []},
-        "gap/export": {"extra": 1},
-        "gap/simulate": {"outputs": [1]},
+        "plate/ingest": {"step": "quality"},
+        "plate/sample": {"model": "ring"},
+        "plate/persistence": {"parameters": {"samples": 8}},
+        "plate/select": {"code": {"script": "workflow/scripts/select.py", "sha256": 64 * "0"}},
+        "plate/mesh": {"inputs": []},
+        "plate/quality": {"outputs": []},
+        "plate/export": {"extra": 1},
+        "plate/simulate": {"outputs": [1]},
     }
     for key, change in changes.items():
         project.edit_record(
@@ -89,8 +89,8 @@ def test_edited_records_are_caught(project):
 def test_edited_digests_and_sizes_in_records_are_caught(project):
     edited = []
     for key, entries, part, value in (
-        ("gap/mesh", "inputs", "sha256", 64 * "0"),
-        ("gap/sweep", "outputs", "sha256", 64 * "0"),
+        ("plate/mesh", "inputs", "sha256", 64 * "0"),
+        ("plate/sweep", "outputs", "sha256", 64 * "0"),
         ("ring/mesh", "inputs", "size", 1),
         ("ring/sweep", "outputs", "size", 1),
     ):
@@ -106,43 +106,43 @@ def test_edited_digests_and_sizes_in_records_are_caught(project):
 
 
 def test_a_table_forged_together_with_its_record_is_caught(project):
-    table = "results/gap/curves.csv"
+    table = "results/plate/curves.csv"
     project.edit(table, "0.", "0.9")
 
     def forge(what):
         for entry in what["outputs"]:
             entry.update(state_of(project, entry["path"]))
 
-    project.edit_record(f"{RECORDS}/gap/persistence.json", forge)
+    project.edit_record(f"{RECORDS}/plate/persistence.json", forge)
     report = project.verify()
-    assert report.outcomes["gap/persistence"] is DIFFERENT, "the lock knows better"
-    assert report.outcomes["gap/select"] is DIFFERENT, "it has read another table"
+    assert report.outcomes["plate/persistence"] is DIFFERENT, "the lock knows better"
+    assert report.outcomes["plate/select"] is DIFFERENT, "it has read another table"
     assert any("as locked, class exact" in finding.expected for finding in find(report, table))
 
 
 def test_a_changed_source_and_a_register_that_disagrees_are_caught(project):
     digest = state_of(project, "data_sources/ring.stl")["sha256"]
     project.edit("data_sources/register.csv", digest, 64 * "0")
-    project.edit("data_sources/gap.svg", "40", "41")
+    project.edit("data_sources/plate.svg", "40", "41")
     report = project.verify()
-    (changed,) = find(report, "data_sources/gap.svg")
+    (changed,) = find(report, "data_sources/plate.svg")
     (disagrees,) = [f for f in merge(report.findings) if f.file == "data_sources/ring.stl"]
     assert "restore the source file" in changed.remedy
     assert "as data_sources/register.csv says" in disagrees.expected
 
 
 def test_a_source_that_is_gone_is_caught(project):
-    (project / "data_sources/gap.svg").unlink()
+    (project / "data_sources/plate.svg").unlink()
     report = project.verify()
     assert report.verdict is DIFFERENT
-    assert find(report, "data_sources/gap.svg")[0].found == "not there"
+    assert find(report, "data_sources/plate.svg")[0].found == "not there"
 
 
 @pytest.mark.parametrize(
     ("old", "new", "key"),
     [
         ("threshold: 0.5", "threshold: 0.6", "wanted.threshold"),
-        ("    unit: mm\n    grid: {cells: 12}", "    grid: {cells: 12}", "drawing.unit"),
+        ("    unit: mm\n    grid: {cells: 32}", "    grid: {cells: 32}", "drawing.unit"),
     ],
 )
 def test_a_changed_parameter_is_caught(project, old, new, key):
@@ -150,7 +150,7 @@ def test_a_changed_parameter_is_caught(project, old, new, key):
     report = project.verify()
     finding = find(report, f"parameter {key}")[0]
     assert finding.outcome is DIFFERENT
-    assert "--forcerun results/provenance/gap/" in finding.remedy
+    assert "--forcerun results/provenance/plate/" in finding.remedy
     assert not any(step.startswith("ring/") for step, outcome in report.outcomes.items() if outcome)
 
 
@@ -161,8 +161,8 @@ def test_a_constant_three_imports_deep_is_caught(checkout):
     report = checkout.verify()
     (finding,) = find(report, file)
     assert finding.outcome is DIFFERENT
-    assert report.outcomes["gap/mesh"] is DIFFERENT
-    assert report.outcomes["gap/sample"] is SAME, "sampling does not reach it"
+    assert report.outcomes["plate/mesh"] is DIFFERENT
+    assert report.outcomes["plate/sample"] is SAME, "sampling does not reach it"
 
 
 def test_a_changed_script_is_caught_and_concerns_its_step_alone(checkout):
@@ -194,7 +194,7 @@ def test_a_claim_made_false_is_caught(checkout):
 
 
 def test_deleted_and_swapped_outputs_are_caught(project):
-    deleted = ["results/gap/mesh.vtu", "results/tables/claims.csv"]
+    deleted = ["results/plate/mesh.vtu", "results/tables/claims.csv"]
     swapped = ["results/ring/figures/panels.png", "results/ring/figures/temperature.png"]
     for file in deleted:
         (project / file).unlink()
@@ -211,7 +211,7 @@ def test_missing_steps_and_another_lock_cannot_be_told(project):
     (project / "results/lock.json").unlink()
     report = project.verify()
     assert report.verdict is CANNOT_TELL
-    assert report.outcomes["gap/mesh"] is SAME
+    assert report.outcomes["plate/mesh"] is SAME
     assert report.outcomes["ring/mesh"] is CANNOT_TELL
     assert all("--forcerun" in f.remedy for f in find(report, "provenance/ring"))
     assert "tusqh lock" in find(report, "results/lock.json")[0].remedy
@@ -226,21 +226,21 @@ def edit_lock(project, change):
 
 def test_what_only_the_lock_or_only_the_workflow_has_cannot_be_told(project):
     def change(lock):
-        del lock["steps"]["gap/mesh"]["outputs"]["results/gap/mesh.vtu"]
-        lock["steps"]["gap/mesh"]["outputs"]["results/gap/old.vtu"] = {
+        del lock["steps"]["plate/mesh"]["outputs"]["results/plate/mesh.vtu"]
+        lock["steps"]["plate/mesh"]["outputs"]["results/plate/old.vtu"] = {
             "class": "exact",
             "sha256": 64 * "0",
         }
-        lock["steps"]["cow/mesh"] = lock["steps"]["gap/mesh"]
-        lock["sources"]["data_sources/gap.svg"] = 64 * "0"
+        lock["steps"]["cow/mesh"] = lock["steps"]["plate/mesh"]
+        lock["sources"]["data_sources/plate.svg"] = 64 * "0"
 
     edit_lock(project, change)
     report = project.verify()
     assert report.verdict is CANNOT_TELL
-    assert "nothing about the file" in find(report, "results/gap/mesh.vtu")[0].found
-    assert "does not write it today" in find(report, "results/gap/old.vtu")[0].found
+    assert "nothing about the file" in find(report, "results/plate/mesh.vtu")[0].found
+    assert "does not write it today" in find(report, "results/plate/old.vtu")[0].found
     assert "does not have today" in find(report, "results/lock.json")[0].found
-    assert any(f.file == "data_sources/gap.svg" and f.outcome is SAME for f in report.findings)
+    assert any(f.file == "data_sources/plate.svg" and f.outcome is SAME for f in report.findings)
 
 
 @pytest.mark.parametrize(
@@ -248,13 +248,13 @@ def test_what_only_the_lock_or_only_the_workflow_has_cannot_be_told(project):
     [
         lambda lock: lock.update(environment={}),
         lambda lock: lock.update(code=[]),
-        lambda lock: lock["steps"].update({"gap/mesh": None}),
-        lambda lock: lock["steps"]["gap/mesh"].pop("parameters"),
-        lambda lock: lock["steps"]["gap/mesh"]["outputs"]["results/gap/mesh.vtu"].pop("sha256"),
-        lambda lock: lock["steps"]["gap/mesh"]["outputs"]["results/gap/mesh.vtu"].update(
+        lambda lock: lock["steps"].update({"plate/mesh": None}),
+        lambda lock: lock["steps"]["plate/mesh"].pop("parameters"),
+        lambda lock: lock["steps"]["plate/mesh"]["outputs"]["results/plate/mesh.vtu"].pop("sha256"),
+        lambda lock: lock["steps"]["plate/mesh"]["outputs"]["results/plate/mesh.vtu"].update(
             {"class": "bogus"}
         ),
-        lambda lock: lock["steps"]["gap/mesh"]["outputs"]["results/gap/mesh.vtu"].update(
+        lambda lock: lock["steps"]["plate/mesh"]["outputs"]["results/plate/mesh.vtu"].update(
             {"content": {}}
         ),
     ],
@@ -278,15 +278,15 @@ def test_a_broken_lock_is_explained(project, change):
     ],
 )
 def test_a_broken_record_is_a_finding(project, change):
-    project.edit_record(f"{RECORDS}/gap/mesh.json", change)
+    project.edit_record(f"{RECORDS}/plate/mesh.json", change)
     report = project.verify()
-    (finding,) = find(report, f"{RECORDS}/gap/mesh.json")
+    (finding,) = find(report, f"{RECORDS}/plate/mesh.json")
     assert "is not as a step writes it" in finding.found
 
 
 @pytest.mark.parametrize("how", ['{"seconds": "x"}', '{"seconds": null}', "[]", ""])
 def test_how_a_step_went_is_no_evidence(project, how):
-    (project / f"{RECORDS}/gap/mesh.how.json").write_text(how)
+    (project / f"{RECORDS}/plate/mesh.how.json").write_text(how)
     assert project.verify().verdict is SAME
 
 
@@ -319,14 +319,14 @@ def test_what_means_nothing_in_the_code_is_not_caught(checkout):
 
 
 def test_what_means_nothing_in_the_results_is_not_caught(project):
-    project.edit("config/config.yaml", "{cells: 12}", "{cells: 12.0}")
-    project.edit("config/config.yaml", "sweep_3d: [0.5, 1.0]", "sweep_3d: [0.5, 1]")
+    project.edit("config/config.yaml", "{cells: 32}", "{cells: 32.0}")
+    project.edit("config/config.yaml", "0.875, 1.0]", "0.875, 1]")
     project.edit("config/config.yaml", "threshold: 0.5", "threshold: 5.0e-1")
-    project.edit(f"{RECORDS}/gap/mesh.how.json", '"host"', '"machine"')
+    project.edit(f"{RECORDS}/plate/mesh.how.json", '"host"', '"machine"')
     for path in project.folder.rglob("*"):
         if path.is_file():
             os.utime(path)
-    shutil.copytree(project / f"{RECORDS}/gap", project / f"{RECORDS}/old")
+    shutil.copytree(project / f"{RECORDS}/plate", project / f"{RECORDS}/old")
     report = project.verify()
     assert report.verdict is SAME, merge(report.findings)
     assert any("do not need" in f.found for f in report.findings), "a remark, no more"

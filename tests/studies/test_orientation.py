@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from shapes import box
 
 from studies.orientation import (
     BETTI,
@@ -21,21 +22,11 @@ from studies.orientation import (
 from studies.placements import Placement, lay_grids, random_placements
 from studies.raw_cells import raw_mesh
 from tusqh.geometry.outline import Outline
-from tusqh.geometry.soup import Soup
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.settings.policy import Criteria, Policy
 
 STILL = Placement(np.eye(2), np.zeros(2))
-
-
-def box(low, high):
-    """The surface of a box, as twelve triangles."""
-    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
-    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
-    triangles = np.array([t for a, b, c, d in quads for t in ([a, b, c], [a, c, d])])
-    points = np.array(low) + corners * np.subtract(high, low)
-    return Soup(points, triangles, np.zeros(12, dtype=np.int64))
 
 
 def polygon(*corners):

@@ -1,13 +1,12 @@
 """Other meshers: judged by measures with known answers, and never able to stop the workflow."""
 
-import importlib.util
-
 import numpy as np
 import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_orientation import box
+from needs import import_or_require
+from shapes import box
 
 from studies import peer_meshers
 from studies.peers import COLUMNS, compare_with_peers, run_peer
@@ -86,8 +85,8 @@ def run(peer, seconds=60, **changes):
 
 @pytest.mark.parametrize("peer", sorted(peer_meshers.PEERS))
 def test_every_peer_meshes_a_box(peer):
-    if peer in ("automesh", "pytetwild") and importlib.util.find_spec(peer) is None:
-        pytest.fail(f"{peer} is not installed: pip install -r requirements.lock")
+    if peer in ("automesh", "pytetwild"):
+        import_or_require(peer)
     row, timing = run(peer)
     assert row["status"] == "finished"
     assert list(row) == COLUMNS

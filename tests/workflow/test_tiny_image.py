@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import tifffile
+from workflow_runs import succeed
 
 import tusqh
 from tusqh.hashing import hash_file
@@ -26,7 +27,7 @@ snapshots: [0, 2, 4, 8, 16, 32]
 
 
 @pytest.fixture(scope="module")
-def built(repository, tmp_path_factory):
+def foam(tmp_path_factory):
     """A foam of random bubbles in grey values with noise, and the results of the workflow."""
     folder = tmp_path_factory.mktemp("foam")
     rng = np.random.default_rng(7)
@@ -38,51 +39,45 @@ def built(repository, tmp_path_factory):
     tifffile.imwrite(folder / "foam.tif", np.clip(grey, 0, 255).astype(np.uint8).transpose())
     (folder / "config").mkdir()
     (folder / "config/config.yaml").write_text(CONFIG)
-    command = [sys.executable, "-m", "snakemake", "-s", str(repository / "Snakefile")]
-    targets = [
-        f"results/foam/{file}" for file in ("verdict.csv", "figures/panels.png", "defects.csv")
-    ]
-    done = subprocess.run(
-        [*command, "--cores", "2", *targets], cwd=folder, capture_output=True, text=True
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
+    files = ("verdict.csv", "figures/panels.png", "defects.csv")
+    succeed(folder, *(f"results/foam/{file}" for file in files))
     return folder
 
 
-def test_the_workflow_meshes_the_pores(built):
-    facts = json.loads((built / "results/foam/facts.json").read_text())
+def test_the_workflow_meshes_the_pores(foam):
+    facts = json.loads((foam / "results/foam/facts.json").read_text())
     assert facts["grid"] == "12x12x12"
     assert facts["cell_size"] == 9
     assert facts["betti_measured"] == facts["betti_predicted"]
     assert facts["betti_measured"][0] == 1
-    verdict = pd.read_csv(built / "results/foam/verdict.csv")
+    verdict = pd.read_csv(foam / "results/foam/verdict.csv")
     assert not (verdict["holds"] == "no").any()
-    defects = pd.read_csv(built / "results/foam/defects.csv").set_index("defect")
+    defects = pd.read_csv(foam / "results/foam/defects.csv").set_index("defect")
     assert defects["count"]["voxels"] == 24**3
     pores = defects["measure"]["voxels"] - defects["measure"]["material_voxels"]
     assert facts["winding_volume"] == pytest.approx(pores, rel=1e-5)
-    assert (built / "results/foam/figures/panels.png").stat().st_size > 10_000
+    assert (foam / "results/foam/figures/panels.png").stat().st_size > 10_000
 
 
-def test_the_python_call_gives_the_same_files(built):
+def test_the_python_call_gives_the_same_files(foam):
     result = tusqh.mesh(
-        built / "foam.tif",
+        foam / "foam.tif",
         image={"voxel_size": 4.5, "empty": 30, "full": 210},
         cells=12,
         domain="outside",
         betti=(1,),
         components={"min_cells": 3},
     )
-    result.save(built / "saved")
-    for file in (built / "saved").iterdir():
-        assert hash_file(file) == hash_file(built / "results/foam" / file.name), file.name
+    result.save(foam / "saved")
+    for file in (foam / "saved").iterdir():
+        assert hash_file(file) == hash_file(foam / "results/foam" / file.name), file.name
 
 
-def test_the_command_line_gives_the_same_mesh(built):
+def test_the_command_line_gives_the_same_mesh(foam):
     options = "--voxel-size 4.5 --empty 30 --full 210 --cells 12 --domain outside --min-cells 3"
     command = [sys.executable, "-m", "tusqh", "mesh", "foam.tif", *options.split()]
     done = subprocess.run(
-        [*command, "--betti", "1", "-o", "foam.vtu"], cwd=built, capture_output=True, text=True
+        [*command, "--betti", "1", "-o", "foam.vtu"], cwd=foam, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
-    assert hash_file(built / "foam.vtu") == hash_file(built / "results/foam/mesh.vtu")
+    assert hash_file(foam / "foam.vtu") == hash_file(foam / "results/foam/mesh.vtu")

@@ -1,0 +1,44 @@
+"""What some tests need beyond Python packages, and what happens where it is missing.
+
+Without it a test is skipped, and the summary says what was not run and how to get what is missing.
+In continuous integration (`CI=true`) a missing tool is a failure.
+"""
+
+import importlib
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+#: What a test can need, and how to get it.
+REMEDIES = {
+    "chromium": "apt-get install chromium, or python -m playwright install --with-deps chromium",
+    "pymeshlab": "apt-get install libgl1 libx11-6 libglib2.0-0",
+}
+
+
+def require(name, problem):
+    """End a test that needs something which is missing: skipped, or failed in CI."""
+    remedy = REMEDIES.get(name, "pip install -r requirements.lock")
+    message = f"needs {name}: {problem} (to get it: {remedy})"
+    if os.environ.get("CI", "").lower() in ("", "0", "false"):
+        pytest.skip(message, allow_module_level=True)
+    pytest.fail(message, pytrace=False)
+
+
+def import_or_require(name):
+    """Import an optional package, or end the test or test module that needs it."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:  # A system library can be missing too.
+        return require(name.partition(".")[0], str(error).splitlines()[0])
+
+
+def find_browser(playwright):
+    """Return the path of a Chromium on this machine: the system's, or else playwright's own."""
+    for path in (*map(shutil.which, BROWSERS), playwright.chromium.executable_path):
+        if path and Path(path).is_file():
+            return path
+    return require("chromium", "there is no browser")
