@@ -17,6 +17,12 @@ from small_project import add_models  # noqa: E402
 from workflow_runs import succeed  # noqa: E402
 
 
+def pytest_xdist_auto_num_workers(config):
+    """Run the whole suite on all processors, and named files in this process."""
+    is_whole = config.args_source is config.ArgsSource.TESTPATHS
+    return min(os.cpu_count() or 1, 8) if is_whole else 0
+
+
 @pytest.fixture(scope="session")
 def repository() -> Path:
     return REPOSITORY

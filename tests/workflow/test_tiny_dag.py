@@ -7,6 +7,7 @@ import sys
 
 import pandas as pd
 import pytest
+from drawings import is_drawn
 from small_project import PLATE
 from workflow_runs import fail, succeed
 
@@ -70,11 +71,9 @@ def test_the_explorer_shows_the_mesh_and_its_command(built):
     assert facts["tables"]["verdict"]["rows"]
 
 
-def test_every_figure_is_there(built):
+def test_every_figure_shows_something(built):
     for figure in ("thresholds", "diagram", "antialias", "contaminant"):
-        content = (built / f"results/plate/figures/{figure}.png").read_bytes()
-        assert content.startswith(b"\x89PNG")
-        assert len(content) > 10_000
+        assert is_drawn(built / f"results/plate/figures/{figure}.png"), figure
 
 
 def test_records_name_every_input_and_output_with_its_hash(built):
