@@ -34,7 +34,9 @@ def main(folder: Path) -> tusqh.Result:
     write_stack(stack)
     result = tusqh.mesh(stack, cells=24, betti=(1, 0, 0), components={"keep": 1})
     print(result.report)
-    print(f"\n{len(result.built.resolved.cells.dropped)} smaller bodies are listed in features.csv")
+    print(
+        f"\n{len(result.built.resolved.cells.features)} smaller bodies are listed in features.csv"
+    )
     result.save(folder)
     return result
 

@@ -135,7 +135,7 @@ def mesh_example(
         "holes_before": raw.betti_1,
         "pinches_connected": int((cells.decisions.at_vertex == CONNECT).sum()),
         "bridges": resolved.cells.n_bridges,
-        "removed_components": cells.count_dropped("component"),
+        "removed_components": cells.n_removed,
         **mesh_facts(resolved.mesh, resolved.cells.predicted),
     }
     return shapes, facts

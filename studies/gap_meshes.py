@@ -104,7 +104,7 @@ def compare_with_meshes(n_trials: int, samples: int, rng: np.random.Generator) -
                 "filtration_joins": width <= opening[0, 0, RULES.index("filtration")],
                 "bare_mesh_joins": bare.predicted.betti_0 == 1,
                 "mesh_joins": betti_by_euler(resolved.mesh).betti_0 == 1,
-                "clusters_overruled": bare.decisions.n_overruled_clusters,
+                "clusters_overruled": bare.decisions.clusters_overruled,
                 "bridges": resolved.cells.n_bridges,
                 "in_window": width <= crossing,
             }

@@ -102,7 +102,7 @@ def _predict(
     separated = sets["separate"].at(threshold)
     decided = {"separate": separated.predicted}
     for mixed in MIXED[1:]:
-        is_same = separated.decisions.n_overruled_clusters == 0
+        is_same = separated.decisions.clusters_overruled == 0
         decided[mixed] = decided["separate"] if is_same else sets[mixed].at(threshold).predicted
     policy = configured.policy
     is_plain = keeps_all(policy)

@@ -160,7 +160,7 @@ def resolve_series() -> tuple[pd.DataFrame, pd.DataFrame]:
                 "pinches": decisions.n_pinches,
                 "votes_to_connect": int((pinches & votes).sum()),
                 "clusters": decisions.n_clusters,
-                "clusters_overruled": decisions.n_overruled_clusters,
+                "clusters_overruled": decisions.clusters_overruled,
                 "pinches_connected": int((decisions.at_vertex == CONNECT).sum()),
                 **mesh_facts(mesh, _effective(_STAIRS, decisions)),
             }

@@ -32,7 +32,7 @@ def folder(tmp_path):
     predicted = predict_plateaus(cell_sets, betti_curves(fractions.values))
     selection, _ = choose_threshold(cell_sets, predicted, threshold=0.6, name="noise")
     resolved = build_mesh(cell_sets.at(0.6), fractions.grid, name="noise")
-    assert len(resolved.cells.dropped) > 0
+    assert len(resolved.cells.features) > 0
     save_fractions(tmp_path / "fractions.npz", fractions)
     write_vtu(tmp_path / "mesh.vtu", resolved.mesh)
     certificate = make_certificate(

@@ -35,7 +35,7 @@ def test_the_stack_is_one_body_of_sand(example, tmp_path):
     result = example("porous_stack").main(tmp_path)
     assert result.report.measured == (1, 0, 0) == betti_by_boundary(result.mesh)
     assert result.report.is_suitable
-    assert len(result.built.resolved.cells.dropped) > 3
+    assert len(result.built.resolved.cells.features) > 3
     assert (tmp_path / "certificate.json").is_file()
 
 

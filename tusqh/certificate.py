@@ -80,11 +80,11 @@ def make_certificate(
         "measured": {"euler": list(by_euler), "boundary": list(by_boundary)},
         "pinches": {
             "clusters": cells.decisions.n_clusters,
-            "overruled_clusters": cells.decisions.n_overruled_clusters,
-            "overruled_pinches": cells.decisions.n_overruled_pinches,
+            "overruled_clusters": cells.decisions.clusters_overruled,
+            "overruled_pinches": cells.decisions.pinches_overruled,
         },
         "bridges": _rows(cells.bridge_table),
-        "features": _rows(cells.dropped),
+        "features": _rows(cells.features),
         "checks": [
             {"name": c.name, "found": str(c.found), "required": c.required, "holds": bool(c.holds)}
             for c in checks

@@ -87,14 +87,14 @@ def test_the_prototypes_fault_a_speck_beside_an_exterior_pinch_stays():
     edges = [(5, 4), (4, 3)]  # Right of and below the vertex (2, 2), around one empty cell.
     few = {"components": Criteria(min_cells=2)}
     lost = build(field(kept, edges), bridges="none", **few)
-    assert lost.cells.count_dropped("component") == 1
+    assert lost.cells.n_removed == 1
     resolved = build(field(kept, edges), **few)
-    assert resolved.cells.count_dropped("component") == 0
+    assert resolved.cells.n_removed == 0
     assert resolved.cells.predicted == (1, 0, 0)
     assert resolved.cells.bridge_table["kind"].tolist() == ["pinch"]
     # Edges on different sides lead around no empty cell.
     across = build(field(kept, [(5, 4), (3, 4)]), **few)
-    assert across.cells.count_dropped("component") == 1
+    assert across.cells.n_removed == 1
 
 
 def test_a_forest_makes_no_hole_and_all_may():

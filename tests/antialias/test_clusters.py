@@ -26,8 +26,8 @@ def test_a_mixed_cluster_follows_the_policy_and_is_reported(policy, expected):
     decided = decide_by_vote(PINCHES, FRACTION >= 0.5, mixed_pinches=policy)
     assert (decided.at_vertex[1, 1:4] == expected).all()
     assert decided.at_vertex[4, 4] == CONNECT
-    assert (decided.n_clusters, decided.n_overruled_clusters, decided.n_pinches) == (2, 1, 4)
-    assert decided.n_overruled_pinches == (1 if expected == CONNECT else 2)
+    assert (decided.n_clusters, decided.clusters_overruled, decided.n_pinches) == (2, 1, 4)
+    assert decided.pinches_overruled == (1 if expected == CONNECT else 2)
 
 
 def test_a_fraction_equal_to_the_threshold_connects():
@@ -57,7 +57,7 @@ def test_in_space_the_edge_of_a_pinch_votes_with_its_ends(edge, policy):
     decided = decide_by_fraction(kept, values, threshold=0.5, mixed_pinches=policy)
     expected = CONNECT if edge > 0.5 else SEPARATE
     assert decided.at_vertex[1, 1].tolist() == [expected, expected]
-    assert (decided.n_clusters, decided.n_overruled_pinches) == (1, 1)
+    assert (decided.n_clusters, decided.pinches_overruled) == (1, 1)
 
 
 def test_diagonal_pinches_are_no_cluster_in_the_plane_but_one_in_space():

@@ -36,7 +36,7 @@ def test_components_are_counted_with_the_effective_decisions(
     fractions = make_fractions(CELLS, vertices)
     cells = cells_at(fractions, 0.5, components={"min_cells": min_cells})
     assert cells.predicted == (betti_0, 0, 0)
-    assert cells.dropped["cells"].tolist() == removed_cells
+    assert cells.features["cells"].tolist() == removed_cells
     mesh = build_mesh(cells, fractions.grid).mesh
     assert betti_by_euler(mesh) == (betti_0, 0, 0)
 
@@ -44,7 +44,7 @@ def test_components_are_counted_with_the_effective_decisions(
 def test_a_removed_component_leaves_a_full_row():
     vertices = VERTICES.copy()
     vertices[6, 6] = 0.75  # One corner of the speck is interior.
-    removed = cells_at(make_fractions(CELLS, vertices), 0.5, components={"min_cells": 2}).dropped
+    removed = cells_at(make_fractions(CELLS, vertices), 0.5, components={"min_cells": 2}).features
     row = removed.iloc[0].to_dict()
     assert row["feature"] == "component"
     assert row["persistence"] == 0.5
@@ -65,15 +65,15 @@ def test_a_filled_hole_leaves_a_full_row_and_its_islands_merge():
     assert cells_at(fractions, 0.5).predicted == (2, 2, 0)
     filled = cells_at(fractions, 0.5, holes={"min_cells": 2})
     assert filled.predicted == (2, 1, 0)
-    row = filled.dropped.iloc[0].to_dict()
+    row = filled.features.iloc[0].to_dict()
     assert (row["feature"], row["cells"], row["volume"]) == ("hole", 1, 1.0)
     assert (row["persistence"], row["smallest_fraction"]) == (0.75, 0.25)
     assert (row["x"], row["y"]) == (7.5, 7.5)
     longest = cells_at(fractions, 0.5, holes={"keep": 1})
-    assert longest.dropped["cells"].tolist() == [1]
+    assert longest.features["cells"].tolist() == [1]
     none = cells_at(fractions, 0.5, holes={"keep": 0})
     assert none.predicted == (1, 0, 0)
-    assert none.dropped["cells"].tolist() == [24, 1]
+    assert none.features["cells"].tolist() == [24, 1]
     for cells in (filled, longest, none):
         assert betti_by_boundary(build_mesh(cells, fractions.grid).mesh) == cells.predicted
 
@@ -81,10 +81,10 @@ def test_a_filled_hole_leaves_a_full_row_and_its_islands_merge():
 def test_components_go_by_volume_and_by_persistence():
     fractions = make_fractions(CELLS)
     by_volume = cells_at(fractions, 0.5, components={"min_volume": 2.5})
-    assert by_volume.dropped["cells"].tolist() == [2, 1]
+    assert by_volume.features["cells"].tolist() == [2, 1]
     by_life = cells_at(fractions, 0.5, components={"min_persistence": 0.75})
-    assert by_life.dropped["persistence"].tolist() == [0.5]
-    assert cells_at(fractions, 0.5, components={"keep": 2}).dropped["cells"].tolist() == [1]
+    assert by_life.features["persistence"].tolist() == [0.5]
+    assert cells_at(fractions, 0.5, components={"keep": 2}).features["cells"].tolist() == [1]
 
 
 def test_a_hole_that_no_threshold_closes_lives_longest():
@@ -92,7 +92,7 @@ def test_a_hole_that_no_threshold_closes_lives_longest():
     cells[1:3, 1:3], cells[4:6, 1:3] = 0.0, 0.25
     kept = cells_at(make_fractions(cells), 0.5, holes={"keep": 1})
     assert kept.predicted == (1, 1, 0)
-    assert kept.dropped["smallest_fraction"].tolist() == [0.25]
+    assert kept.features["smallest_fraction"].tolist() == [0.25]
 
 
 def test_voids_in_the_plane_are_refused():
@@ -113,9 +113,9 @@ def test_dropping_leaves_a_manifold_mesh_with_the_predicted_topology():
         mesh = build_mesh(cells, fractions.grid).mesh
         assert betti_by_euler(mesh) == betti_by_boundary(mesh) == cells.predicted, seed
         assert all(check.holds for check in check_mesh(mesh)), seed
-        n_removed = cells.count_dropped("component")
+        n_removed = cells.n_removed
         if not holes:
             assert cells.predicted.betti_0 == all_cells.predicted.betti_0 - n_removed, seed
-        gone = cells.dropped.groupby("feature")["cells"].sum()
+        gone = cells.features.groupby("feature")["cells"].sum()
         balance = gone.get("hole", 0) - gone.get("component", 0)
         assert cells.kept.sum() == all_cells.kept.sum() + balance, seed

@@ -68,7 +68,7 @@ def make_subject(fractions, policy=None, *, name="noise", threshold=0.5):
             ),
             "elements": pd.DataFrame({"metric": ["skew"], "mean": [0.25]}),
             "verdict": verdict,
-            "features": built.cells.dropped,
+            "features": built.cells.features,
             "bridges": built.cells.bridge_table,
         },
     )

@@ -83,7 +83,7 @@ def test_pinches_are_those_of_the_tables(fractions):
     """Neither those of components that are gone nor those of holes that are filled."""
     policy = {"components": {"min_cells": 5}, "holes": {"min_cells": 3}}
     cells = CellSets(fractions, Policy.from_dict(policy)).at(0.5)
-    assert len(cells.dropped)
+    assert len(cells.features)
     built = build_mesh(cells, fractions.grid, name="plate")
     figure = draw_antialias(fractions, built.mesh, threshold=0.5, unit="mm")
     n_pinches = built.cells.decisions.n_pinches

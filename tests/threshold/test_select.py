@@ -181,7 +181,7 @@ def test_persistence_removes_and_fills_exactly_the_short_lived_where_no_threshol
     assert chosen.predicted == (1, 1, 0)
     settings = Policy.from_dict(chosen.policy)
     assert settings.components.min_persistence == settings.holes.min_persistence == 0.65
-    dropped = CellSets(fractions, settings).at(chosen.threshold).dropped
+    dropped = CellSets(fractions, settings).at(chosen.threshold).features
     assert len(dropped) == 1
     assert (dropped["persistence"] < 0.65).all()
     mesh = mesh_of(fractions, chosen)

@@ -82,7 +82,7 @@ def test_raw_equals_effective_where_nothing_is_overruled(seed):
     cell_sets = CellSets(fractions, Policy(bridges="none"))
     for threshold in plateaus["upper"]:
         cells = cell_sets.at(threshold)
-        if cells.decisions.n_overruled_clusters == 0:
+        if cells.decisions.clusters_overruled == 0:
             assert cells.predicted == betti_at(plateaus, threshold)
 
 

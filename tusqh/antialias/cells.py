@@ -7,13 +7,21 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from tusqh.antialias.bridges import ACCEPTED, Bridge, join_components
 from tusqh.antialias.clusters import CONNECT, NONE, SEPARATE, Decisions, decide_by_fraction
-from tusqh.antialias.components import COLUMNS, drop_features
+from tusqh.antialias.components import (
+    COMPONENT,
+    FEATURE_COLUMNS,
+    HOLE,
+    VOID,
+    find_small_features,
+)
 from tusqh.antialias.pinches import find_pinches
+from tusqh.antialias.strips import Strip
 from tusqh.errors import TopologyError
 from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.sampling.fractions import VolumeFractions
@@ -25,7 +33,7 @@ from tusqh.topology.effective import effective_betti, label_components
 
 @dataclass(frozen=True)
 class CellSet:
-    """The cells kept at a threshold, with all decisions made and small features gone.
+    """The cells kept at a threshold, with all decisions made and small features removed or filled.
 
     Parameters
     ----------
@@ -34,14 +42,14 @@ class CellSet:
     kept
         Kept cells, shape n.
     decisions
-        Decisions at the pinches of `kept`; the counts are those before features went.
+        Decisions at the pinches of `kept`; their counts are from before removing and filling.
     bridges
         Paths along which strips join components.
     bridge_table
         One row per bridge, accepted or not, see `tusqh.antialias.bridges.join_components`.
-    dropped
-        One row per removed component and filled hole, see
-        `tusqh.antialias.components.drop_features`.
+    features
+        One row per removed component and filled hole or void, see
+        `tusqh.antialias.components.find_small_features`.
     predicted
         Betti numbers that the mesh of these cells must have.
     """
@@ -51,7 +59,7 @@ class CellSet:
     decisions: Decisions
     bridges: list[Bridge]
     bridge_table: pd.DataFrame
-    dropped: pd.DataFrame
+    features: pd.DataFrame
     predicted: BettiNumbers
 
     @property
@@ -59,14 +67,50 @@ class CellSet:
         """Number of bridges in the mesh, pinches among them."""
         return int((self.bridge_table["status"] == ACCEPTED).sum())
 
-    def count_dropped(self, feature: str) -> int:
-        """Return how many components were removed, or holes or voids filled."""
-        return int((self.dropped["feature"] == feature).sum())
+    @property
+    def n_removed(self) -> int:
+        """Number of components removed."""
+        return int((self.features["feature"] == COMPONENT).sum())
+
+    @property
+    def n_filled(self) -> int:
+        """Number of holes or voids filled."""
+        return len(self.features) - self.n_removed
 
     def with_bridges(self, bridges: list[Bridge], table: pd.DataFrame) -> CellSet:
-        """Return the cells with other bridges, predicted anew."""
-        predicted = predict(self.kept, self.decisions, bridges)
+        """Return the cells with other bridges, and their predicted Betti numbers.
+
+        Parameters
+        ----------
+        bridges
+            Paths along which strips join components.
+        table
+            One row per bridge, accepted or not.
+        """
+        predicted = predict_betti(self.kept, self.decisions.at_vertex, bridges)
         return replace(self, bridges=bridges, bridge_table=table, predicted=predicted)
+
+
+@dataclass(frozen=True)
+class _State:
+    """Kept cells and decisions between two steps of `CellSets.at`.
+
+    Parameters
+    ----------
+    kept
+        Kept cells, shape n.
+    at_vertex
+        Decision at every vertex, shape ``n + 1``.
+    bridges
+        Paths along which strips join components.
+    features
+        Tables of the features removed and filled so far.
+    """
+
+    kept: BoolArray
+    at_vertex: NDArray[np.int8]
+    bridges: list[Bridge]
+    features: tuple[pd.DataFrame, ...] = ()
 
 
 class CellSets:
@@ -119,65 +163,95 @@ class CellSets:
         return np.asarray(levels[(levels > 0) & (levels <= 1)][::-1])
 
     def at(self, threshold: float) -> CellSet:
-        """Return the cells at a threshold in (0, 1], their decisions and predicted topology.
+        """Return the cells at a threshold, their decisions and their predicted topology.
 
         Pinches are decided once, on all cells; then archipelagos are joined, small components
-        removed and small holes filled.
+        removed, and small holes (in 3D voids) filled.
+
+        Parameters
+        ----------
+        threshold
+            Volume-fraction threshold in (0, 1], dimensionless.
         """
-        fractions, policy = self.fractions, self.policy
-        kept = fractions.cells >= threshold
-        decisions = decide_by_fraction(
-            kept, fractions.values, threshold=threshold, mixed_pinches=policy.mixed_pinches
-        )
-        at_vertex, bridges, table = join_components(
-            kept,
-            decisions.at_vertex,
-            fractions.values,
-            fractions.grid,
-            threshold=threshold,
-            mode=policy.bridges,
-        )
-        dropped = []
-        if not policy.components.keeps_all:
-            labels = _label_with_bridges(kept, at_vertex == CONNECT, bridges)
-            lives = self._persistence[0]
-            is_gone, rows = drop_features(
-                labels,
-                policy.components,
-                fractions,
-                lives,
-                threshold=threshold,
-                feature="component",
-            )
-            kept = kept & ~is_gone
-            dropped.append(rows)
-        enclosed = policy.holes if kept.ndim == 2 else policy.voids
-        if not enclosed.keeps_all:
-            at_vertex = _at_pinches_of(kept, at_vertex)
-            labels, _ = label_components(~np.pad(kept, 1), np.pad(at_vertex == SEPARATE, 1))
-            labels[labels == labels.flat[0]] = 0  # Everything outside is no hole.
-            is_gone, rows = drop_features(
-                labels[(slice(1, -1),) * kept.ndim],
-                enclosed,
-                fractions,
-                self._persistence[1],
-                threshold=threshold,
-                feature="hole" if kept.ndim == 2 else "void",
-            )
-            kept = kept | is_gone
-            dropped.append(rows)
-        if dropped:
-            bridges = [b for b in bridges if _is_there(b, kept)]
-        decisions = replace(decisions, at_vertex=_at_pinches_of(kept, at_vertex))
+        decisions = self._decide_pinches(threshold)
+        joined, bridge_table = self._join_components(decisions.at_vertex, threshold)
+        done = self._fill_holes(self._remove_components(joined, threshold), threshold)
+        at_vertex = _at_pinches_of(done.kept, done.at_vertex)
+        bridges = [b for b in done.bridges if _is_still_needed(b, done.kept)]
         return CellSet(
             threshold=threshold,
-            kept=kept,
-            decisions=decisions,
+            kept=done.kept,
+            decisions=replace(decisions, at_vertex=at_vertex),
             bridges=bridges,
-            bridge_table=table,
-            dropped=pd.concat(dropped) if dropped else _no_rows(fractions),
-            predicted=predict(kept, decisions, bridges),
+            bridge_table=bridge_table,
+            features=pd.concat(done.features) if done.features else self._no_features(),
+            predicted=predict_betti(done.kept, at_vertex, bridges),
         )
+
+    def _decide_pinches(self, threshold: float) -> Decisions:
+        """Return the decision at every pinch of all cells at a threshold."""
+        return decide_by_fraction(
+            self.fractions.cells >= threshold,
+            self.fractions.values,
+            threshold=threshold,
+            mixed_pinches=self.policy.mixed_pinches,
+        )
+
+    def _join_components(
+        self, at_vertex: NDArray[np.int8], threshold: float
+    ) -> tuple[_State, pd.DataFrame]:
+        """Return all cells at a threshold with their archipelagos joined, and the bridges."""
+        kept = self.fractions.cells >= threshold
+        at_vertex, bridges, table = join_components(
+            kept,
+            at_vertex,
+            self.fractions.values,
+            self.fractions.grid,
+            threshold=threshold,
+            mode=self.policy.bridges,
+        )
+        return _State(kept, at_vertex, bridges), table
+
+    def _remove_components(self, state: _State, threshold: float) -> _State:
+        """Return the cells without the components that do not meet the criteria."""
+        if self.policy.components.keeps_all:
+            return state
+        labels = _label_with_bridges(state.kept, state.at_vertex == CONNECT, state.bridges)
+        is_small, table = find_small_features(
+            labels,
+            self.policy.components,
+            self.fractions,
+            self._persistence[0],
+            threshold=threshold,
+            feature=COMPONENT,
+        )
+        kept = state.kept & ~is_small
+        return replace(state, kept=kept, features=(*state.features, table))
+
+    def _fill_holes(self, state: _State, threshold: float) -> _State:
+        """Return the cells with the holes (in 3D voids) filled that do not meet the criteria."""
+        in_plane = state.kept.ndim == 2
+        criteria = self.policy.holes if in_plane else self.policy.voids
+        if criteria.keeps_all:
+            return state
+        at_vertex = _at_pinches_of(state.kept, state.at_vertex)
+        # One more layer of empty cells joins everything outside into one component, the first.
+        labels, _ = label_components(~np.pad(state.kept, 1), np.pad(at_vertex == SEPARATE, 1))
+        labels[labels == labels.flat[0]] = 0
+        is_small, table = find_small_features(
+            labels[(slice(1, -1),) * state.kept.ndim],
+            criteria,
+            self.fractions,
+            self._persistence[1],
+            threshold=threshold,
+            feature=HOLE if in_plane else VOID,
+        )
+        kept = state.kept | is_small
+        return replace(state, kept=kept, at_vertex=at_vertex, features=(*state.features, table))
+
+    def _no_features(self) -> pd.DataFrame:
+        """Return the empty table of features."""
+        return pd.DataFrame(columns=[*FEATURE_COLUMNS, *"xyz"[: self.fractions.grid.dim]])
 
     @cached_property
     def _persistence(self) -> tuple[FloatArray, FloatArray]:
@@ -185,13 +259,23 @@ class CellSets:
         return persistence_by_cell(self.fractions.values)
 
 
-def predict(kept: BoolArray, decisions: Decisions, bridges: list[Bridge]) -> BettiNumbers:
+def predict_betti(
+    kept: BoolArray, at_vertex: NDArray[np.int8], bridges: list[Bridge]
+) -> BettiNumbers:
     """Return the Betti numbers of kept cells with decided pinches and bridges.
 
-    A bridge that joins two components lowers ``betti_0`` by one; one between parts that are
-    joined already makes a hole.
+    A bridge that joins two components lowers ``betti_0`` by one; a bridge within a component
+    makes a hole.
+
+    Parameters
+    ----------
+    kept
+        Kept cells, shape n.
+    at_vertex
+        `SEPARATE`, `NONE` or `CONNECT` for every grid vertex, shape ``n + 1``.
+    bridges
+        Paths along which strips join components.
     """
-    at_vertex = decisions.at_vertex
     without = effective_betti(kept, at_vertex == CONNECT, at_vertex == SEPARATE)
     if not bridges:
         return without
@@ -212,23 +296,13 @@ def _label_with_bridges(kept: BoolArray, connects: BoolArray, bridges: list[Brid
     return np.asarray(joined[labels], dtype=np.int64)  # Label 0 stays alone and first.
 
 
-def _at_pinches_of(
-    kept: BoolArray, at_vertex: np.ndarray[tuple[int, ...], np.dtype[np.int8]]
-) -> np.ndarray[tuple[int, ...], np.dtype[np.int8]]:
-    """Return the decisions at those vertices that still are pinches."""
+def _at_pinches_of(kept: BoolArray, at_vertex: NDArray[np.int8]) -> NDArray[np.int8]:
+    """Return the decisions at those vertices that are still pinches."""
     return np.where(find_pinches(kept), at_vertex, NONE).astype(np.int8)
 
 
-def _is_there(bridge: Bridge, kept: BoolArray) -> bool:
-    """Return whether both ends of a bridge are kept and the way between them is empty."""
+def _is_still_needed(bridge: Bridge, kept: BoolArray) -> bool:
+    """Return whether both ends of a bridge are kept and all cells along its path are empty."""
     if not kept.ravel()[bridge.cells].all():
         return False
-    steps = np.diff(bridge.vertices, axis=0)
-    left = np.stack([-steps[:, 1], steps[:, 0]], axis=1)
-    beside = bridge.vertices[:-1] + (steps + left - 1) // 2
-    return not kept[tuple(beside.T)].any()
-
-
-def _no_rows(fractions: VolumeFractions) -> pd.DataFrame:
-    """Return the empty table of dropped features."""
-    return pd.DataFrame(columns=[*COLUMNS, *"xyz"[: fractions.grid.dim]])
+    return not any(kept[tuple(cells.T)].any() for cells in Strip.along(bridge.vertices).beside)

@@ -29,16 +29,16 @@ class Decisions:
         `SEPARATE`, `NONE` or `CONNECT` for every grid vertex, shape ``n + 1``, int8.
     n_clusters
         Number of clusters of adjacent pinches.
-    n_overruled_clusters
+    clusters_overruled
         Clusters in which at least one pinch voted otherwise.
-    n_overruled_pinches
+    pinches_overruled
         Pinches that voted otherwise than their cluster was decided.
     """
 
     at_vertex: np.ndarray[tuple[int, ...], np.dtype[np.int8]]
     n_clusters: int
-    n_overruled_clusters: int
-    n_overruled_pinches: int
+    clusters_overruled: int
+    pinches_overruled: int
 
     @property
     def n_pinches(self) -> int:
@@ -120,7 +120,7 @@ def decide_by_vote(
     >>> pinches = np.array([True, True, False, True])
     >>> votes = np.array([True, False, False, True])
     >>> decided = decide_by_vote(pinches, votes, mixed_pinches="separate")
-    >>> decided.at_vertex.tolist(), decided.n_clusters, decided.n_overruled_clusters
+    >>> decided.at_vertex.tolist(), decided.n_clusters, decided.clusters_overruled
     ([-1, -1, 0, 1], 2, 1)
     """
     labels, n_clusters = label_clusters(is_pinch)
@@ -143,6 +143,6 @@ def decide_by_vote(
     return Decisions(
         at_vertex=at_vertex,
         n_clusters=n_clusters,
-        n_overruled_clusters=int(np.count_nonzero(~unanimous)),
-        n_overruled_pinches=int(np.count_nonzero(vote != connects[voters])),
+        clusters_overruled=int(np.count_nonzero(~unanimous)),
+        pinches_overruled=int(np.count_nonzero(vote != connects[voters])),
     )

@@ -1,9 +1,9 @@
-"""Small components and holes: found after the pinches were decided, gone only with a record.
+"""Finds small components to remove and small holes to fill, after the pinch decisions.
 
-Paper: Anti-aliasing, the end of the paragraph on archipelagos.  Removing a component and filling
-a hole (in 3D a void) are the same operation on the cells and on their complement.  Neither makes
-a new pinch: the cells around a vertex other than a pinch are joined there, kept and empty ones
-alike, so they stay or go together.
+Each change is recorded as a row of a table.  Removing a component and filling a hole (in 3D a
+void) are the same operation on the cells and on their complement (paper: Anti-aliasing, the end of
+the paragraph on archipelagos).  Neither makes a new pinch: around a vertex that is not a pinch all
+kept cells are joined, and all empty ones, so that they are kept or removed together.
 """
 
 from __future__ import annotations
@@ -16,12 +16,22 @@ from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.policy import Criteria
 
+#: Words for the features.
+COMPONENT, HOLE, VOID = "component", "hole", "void"
+
 #: Columns of the table of removed components and filled holes, before the coordinates.
-COLUMNS = ["feature", "cells", "volume", "persistence", "smallest_fraction", "largest_fraction"]
-COLUMNS += ["interior_sub_cells"]
+FEATURE_COLUMNS = [
+    "feature",
+    "cells",
+    "volume",
+    "persistence",
+    "smallest_fraction",
+    "largest_fraction",
+    "interior_sub_cells",
+]
 
 
-def drop_features(
+def find_small_features(
     labels: IntArray,
     criteria: Criteria,
     fractions: VolumeFractions,
@@ -37,7 +47,7 @@ def drop_features(
     labels
         Feature that every cell belongs to, from 1, gaps allowed; 0 elsewhere, shape n.
     criteria
-        What a feature needs to stay.
+        What a feature must meet to stay.
     fractions
         Volume fractions, for the record.
     persistence
@@ -46,14 +56,14 @@ def drop_features(
     threshold
         Volume-fraction threshold, for counting interior sub-cells.
     feature
-        ``"component"``, ``"hole"`` or ``"void"``, for the table.
+        `COMPONENT`, `HOLE` or `VOID`, for the table.
 
     Returns
     -------
-    is_dropped
+    is_removed
         Their cells, shape n.
     table
-        One row per dropped feature: what it is, cells, volume (model units**dim), persistence,
+        One row per feature found: what it is, cells, volume (model units**dim), persistence,
         smallest and largest cell fraction, interior edges and vertices among its cells'
         sub-cells, and its centre (model units).
     """
@@ -70,23 +80,23 @@ def drop_features(
         ranked = numbers[np.lexsort((numbers, -n_cells[numbers], -lives[numbers]))]
         is_small[ranked[criteria.keep :]] = True
     is_small &= is_feature
-    dropped = np.flatnonzero(is_small)
-    is_dropped = is_small[labels]
-    centres = np.array(ndimage.center_of_mass(is_dropped, labels, dropped)).reshape(-1, grid.dim)
+    found = np.flatnonzero(is_small)
+    is_removed = is_small[labels]
+    centres = np.array(ndimage.center_of_mass(is_removed, labels, found)).reshape(-1, grid.dim)
     places = grid.to_points(centres + 0.5)
     values = [
-        np.full(len(dropped), feature),
-        n_cells[dropped],
-        volume[dropped],
-        lives[dropped],
-        np.array(ndimage.minimum(fractions.cells, labels, dropped)),
-        np.array(ndimage.maximum(fractions.cells, labels, dropped)),
-        _count_interior_sub_cells(np.where(is_dropped, labels, 0), fractions, threshold)[dropped],
+        np.full(len(found), feature),
+        n_cells[found],
+        volume[found],
+        lives[found],
+        np.array(ndimage.minimum(fractions.cells, labels, found)),
+        np.array(ndimage.maximum(fractions.cells, labels, found)),
+        _count_interior_sub_cells(np.where(is_removed, labels, 0), fractions, threshold)[found],
     ]
-    table = pd.DataFrame(dict(zip(COLUMNS, values, strict=True)))
+    table = pd.DataFrame(dict(zip(FEATURE_COLUMNS, values, strict=True)))
     for axis in range(grid.dim):
         table["xyz"[axis]] = places[:, axis]
-    return is_dropped, table
+    return is_removed, table
 
 
 def _count_interior_sub_cells(
@@ -99,7 +109,7 @@ def _count_interior_sub_cells(
     doubled = np.zeros(fractions.values.shape, dtype=np.int64)
     doubled[(slice(1, None, 2),) * labels.ndim] = labels
     is_cell = doubled > 0
-    # Sub-cells between two features cannot tell them apart; they count for the later one.
+    # A sub-cell between two features counts for the one with the larger label.
     around = ndimage.grey_dilation(doubled, size=(3,) * labels.ndim)
     is_interior = (fractions.values >= threshold) & (around > 0) & ~is_cell
     return np.bincount(around[is_interior], minlength=n).astype(np.int64)

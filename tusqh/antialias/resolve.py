@@ -199,7 +199,7 @@ def _find_bad_points(mesh: VolumeMesh, grid_vertex: IntArray, is_pinch: BoolArra
 def describe_mesh(resolved: Resolved, fractions: VolumeFractions) -> dict[str, Any]:
     """Return the facts about a mesh that tables quote, as plain numbers for JSON."""
     mesh, cells, grid = resolved.mesh, resolved.cells, fractions.grid
-    n_removed = cells.count_dropped("component")
+    n_removed = cells.n_removed
     return {
         "model": mesh.name,
         "dimension": mesh.dim,
@@ -211,10 +211,10 @@ def describe_mesh(resolved: Resolved, fractions: VolumeFractions) -> dict[str, A
         "pinches": cells.decisions.n_pinches,
         "pinches_connected": int((cells.decisions.at_vertex == CONNECT).sum()),
         "pinch_clusters": cells.decisions.n_clusters,
-        "clusters_overruled": cells.decisions.n_overruled_clusters,
+        "clusters_overruled": cells.decisions.clusters_overruled,
         "bridges": cells.n_bridges,
         "removed_components": n_removed,
-        "filled_holes": len(cells.dropped) - n_removed,
+        "filled_holes": cells.n_filled,
         "volume": mesh.measurement.volume,
         "winding_volume": fractions.volume(),
         "closing_rounds": resolved.closing_rounds,

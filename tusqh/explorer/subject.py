@@ -110,7 +110,7 @@ def subject_of(result: Result, *, geometry: str, unit: str = "m") -> Subject:
             "defects": result.defects,
             "elements": result.judgement.elements,
             "verdict": result.judgement.verdict,
-            "features": cells.dropped,
+            "features": cells.features,
             "bridges": cells.bridge_table,
         },
     )

@@ -77,7 +77,7 @@ class Built:
         cells = self.resolved.cells
         self.write_mesh(mesh)
         claim = make_certificate(self.selection, cells, mesh, fractions, name=self.mesh.name)
-        write_csv(features, cells.dropped)
+        write_csv(features, cells.features)
         write_csv(bridges, cells.bridge_table)
         write_text(certificate, canonical_json(claim))
         write_text(facts, canonical_json(self.facts))

@@ -50,7 +50,7 @@ def verify_mesh(
         "cells_kept": int(cells.kept.sum()),
         "elements": mesh.n_cells,
         "pinch_clusters": cells.decisions.n_clusters,
-        "clusters_overruled": cells.decisions.n_overruled_clusters,
+        "clusters_overruled": cells.decisions.clusters_overruled,
         **{f"betti_{k}_predicted": n for k, n in enumerate(cells.predicted)},
         **{f"betti_{k}_measured": n for k, n in enumerate(measured.by_euler)},
         "manifold": measured.is_manifold,

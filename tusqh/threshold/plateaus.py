@@ -57,16 +57,16 @@ def predict_plateaus(
     rows = []
     for done, threshold in enumerate((upper + lower) / 2, start=1):
         cells = cell_sets.at(threshold)
-        n_removed = cells.count_dropped("component")
+        n_removed = cells.n_removed
         rows.append(
             {
                 "threshold": threshold,
                 "cells": int(cells.kept.sum()),
                 "clusters": cells.decisions.n_clusters,
-                "overruled": cells.decisions.n_overruled_clusters,
+                "overruled": cells.decisions.clusters_overruled,
                 "bridges": cells.n_bridges,
                 "removed": n_removed,
-                "filled": len(cells.dropped) - n_removed,
+                "filled": cells.n_filled,
                 **cells.predicted._asdict(),
             }
         )

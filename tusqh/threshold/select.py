@@ -233,10 +233,10 @@ def _by_persistence(
             and _is_verified(cells, cut_sets, {}, name)
         ):
             candidates.loc[[k], "status"] = CHOSEN
-            n_removed = cells.count_dropped("component")
+            n_removed = cells.n_removed
             reason = (
                 f"no threshold does it alone; here {n_removed} components were removed and "
-                f"{len(cells.dropped) - n_removed} holes or voids filled"
+                f"{cells.n_filled} holes or voids filled"
             )
             return _selection(cut_sets, predicted, row, cells, wanted, reason), candidates
         candidates.loc[[k], "status"] = DISAGREES
@@ -346,7 +346,7 @@ def _selection(
     threshold = float(row["threshold"])
     raw = betti_at(betti_curves(cell_sets.fractions.values), threshold)
     without = ""
-    if len(cells.dropped):
+    if len(cells.features):
         untouched = (predicted["removed"] + predicted["filled"] == 0) & matches(
             predicted, cells.predicted._asdict()
         )
