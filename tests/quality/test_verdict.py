@@ -3,10 +3,9 @@ import pytest
 
 from tusqh.meshes.jacobians import corner_jacobians
 from tusqh.meshes.volume_mesh import VolumeMesh
-from tusqh.quality import system_libraries
 from tusqh.quality.elements import element_metrics, summarise_metrics
 from tusqh.quality.surface import judge_surface, surface_measures
-from tusqh.quality.system_libraries import SystemLibraryError
+from tusqh.quality.system_libraries import SystemLibraryError, describe_missing
 from tusqh.quality.verdict import judge_mesh, overall, to_table
 from tusqh.topology.betti_numbers import BettiNumbers
 
@@ -76,9 +75,13 @@ def test_overlapping_elements_are_found():
 
 
 def test_a_missing_system_library_costs_pymeshlabs_rows_only(monkeypatch):
-    monkeypatch.setattr(system_libraries, "_can_load", lambda name: name != "libGL.so.1")
-    monkeypatch.setattr(system_libraries.sys, "platform", "linux")
-    assert "libGL.so.1 not found: install libgl1" in system_libraries.describe_missing()
+    def load(name):
+        if name == "libGL.so.1":
+            raise OSError(name)
+
+    monkeypatch.setattr("ctypes.CDLL", load)
+    monkeypatch.setattr("sys.platform", "linux")
+    assert describe_missing().startswith("libGL.so.1 not found: install libgl1 ")
 
     def fail(mesh):
         raise SystemLibraryError("pymeshlab cannot run", where="", expected="", remedy="")

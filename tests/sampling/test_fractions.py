@@ -134,7 +134,7 @@ def test_fractions_survive_the_disk_bit_for_bit(square, tmp_path):
 
 
 def test_progress_is_reported_to_the_end(square, monkeypatch):
-    monkeypatch.setattr(fractions_module, "_SLAB", 1)
+    monkeypatch.setattr(fractions_module, "SAMPLES_AT_A_TIME", 1)
     calls = []
     grid = BackgroundGrid.over_box((0.0, 0.0), (1.0, 1.0), cells=100)
     sample_fractions(square, grid, progress=lambda done, total: calls.append((done, total)))

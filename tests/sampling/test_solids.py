@@ -69,7 +69,7 @@ def test_slabs_do_not_change_the_result(monkeypatch, rule):
     ball = soup_of(trimesh.creation.icosphere(subdivisions=2))
     grid = lay_grid(ball, None, cells=20)
     whole = sample_fractions(ball, grid, rule=rule)
-    monkeypatch.setattr(fractions_module, "_SLAB", 1)
+    monkeypatch.setattr(fractions_module, "SAMPLES_AT_A_TIME", 1)
     assert np.array_equal(whole.multiples, sample_fractions(ball, grid, rule=rule).multiples)
     opened = Soup(ball.points, ball.triangles[5:], ball.parts[5:])
     by_slabs = sample_fractions(opened, grid, rule=rule)

@@ -84,7 +84,7 @@ def test_layers_make_no_difference(monkeypatch):
     image = Image.from_voxels(np.random.default_rng(1).random((20, 9, 11)))
     grid = lay_on_voxels(image, cells=7)
     at_once = voxel_fractions(image, grid).values
-    monkeypatch.setattr(module, "_VOXELS_AT_A_TIME", 1)
+    monkeypatch.setattr(module, "VOXELS_AT_A_TIME", 1)
     assert np.array_equal(voxel_fractions(image, grid).values, at_once)
 
 

@@ -37,8 +37,8 @@ Domain = Literal["inside", "outside"]
 Rule = Literal["average", "clamped"]
 Orientation = Literal["auto", "as-is", "flip"]
 
-#: Numbers in a slab of the lattice, about: bounds memory, paces progress reports.
-_SLAB = 8_000_000
+#: About how many samples a slab of the lattice holds: this bounds memory and paces progress.
+SAMPLES_AT_A_TIME = 8_000_000
 
 #: Winding numbers up to this have room in 32 bits.
 _LARGEST = 2000
@@ -230,7 +230,7 @@ def _slabs(
 ) -> Iterator[FloatArray]:
     """Yield the sums over half-blocks, slab by slab along x."""
     n_x, n_y, n_z = (int(n) for n in lattice.n_blocks)
-    columns = max(16, _SLAB // (n_y * n_z) // 16 * 16)
+    columns = max(16, SAMPLES_AT_A_TIME // (n_y * n_z) // 16 * 16)
     per_column = n_y * n_z * int(lattice.half.prod())
     for begin in range(0, n_x, columns):
         end = min(begin + columns, n_x)
@@ -253,7 +253,7 @@ def _clipped_slabs(
     n_x, n_y, n_z = (int(n) for n in single.n_blocks)
     half = lattice.half
     counts = single.coverage()
-    columns = max(1, 16 // int(half[0]), _SLAB // (int(half[0]) * n_y * n_z))
+    columns = max(1, 16 // int(half[0]), SAMPLES_AT_A_TIME // (int(half[0]) * n_y * n_z))
     for begin in range(0, int(lattice.n_blocks[0]), columns):
         end = min(begin + columns, int(lattice.n_blocks[0]))
         samples = slice(begin * int(half[0]), end * int(half[0]))

@@ -27,8 +27,8 @@ from tusqh.sampling.lattice import Box
 #: How far, in voxels, a grid may be off the voxels by rounding.
 _ROUNDING = 1e-6
 
-#: Layers of cells that are averaged at a time hold about so many voxels.
-_VOXELS_AT_A_TIME = 8_000_000
+#: About how many voxels are averaged at a time.
+VOXELS_AT_A_TIME = 8_000_000
 
 
 def lay_on_voxels(
@@ -128,7 +128,7 @@ def voxel_fractions(
     counted = _counted_voxels(image, window)
     blocks = np.empty(tuple(2 * n for n in grid.shape))
     layer = int(np.prod(grid.shape[1:])) * per_cell**3
-    step = max(1, _VOXELS_AT_A_TIME // layer)
+    step = max(1, VOXELS_AT_A_TIME // layer)
     for start in range(0, grid.shape[0], step):
         stop = min(start + step, grid.shape[0])
         size = (np.array([stop - start, *grid.shape[1:]]) * per_cell).tolist()
