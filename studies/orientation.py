@@ -14,8 +14,9 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.pinches import find_pinches
 from tusqh.grid import BoolArray, FloatArray
 from tusqh.sampling.field import Geometry
+from tusqh.settings.goal import Target
 from tusqh.settings.policy import MixedPinches, Policy
-from tusqh.threshold.goals import Target, matches
+from tusqh.threshold.goals import matches
 from tusqh.topology.betti_numbers import BettiNumbers
 from tusqh.topology.effective import effective_betti
 
@@ -269,7 +270,7 @@ def map_stability(table: pd.DataFrame, *, name: str, target: Target | None = Non
         ["cells", "threshold", "scheme"], sort=True
     ):
         topologies, agreement, betti = _modal(group[BETTI].to_numpy(float))
-        share = float(matches(group, target).mean()) if target else float("nan")
+        share = float(matches(group, target).mean()) if target is not None else float("nan")
         rows.append(
             {
                 "model": name,
@@ -382,7 +383,7 @@ def _interval(drawn: FloatArray) -> tuple[float, float]:
 def _describe(numbers: FloatArray, target: Target | None) -> dict[str, float]:
     topologies, agreement, _ = _modal(numbers)
     wanted = float("nan")
-    if target:
+    if target is not None:
         wanted = float(matches(pd.DataFrame(numbers, columns=BETTI), target).mean())
     return {"topologies": topologies, "agreement": agreement, "wanted": wanted}
 

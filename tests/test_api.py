@@ -61,7 +61,7 @@ def test_the_result_has_prediction_choice_measurement_and_verdict(result):
     assert "as predicted" in str(report)
     assert list(result.curves.columns[:4]) == ["upper", "lower", "width", "betti_0"]
     assert (result.diagram["persistence"] > 0).all()
-    assert result.settings["grid"] == {"cells": 14}
+    assert result.settings.grid.cells == 14
 
 
 def test_the_mesh_converts_to_three_libraries(result):
@@ -134,34 +134,45 @@ def test_saved_results_hold_their_certificate(tmp_path, result):
 @pytest.mark.parametrize(
     ("arguments", "parts"),
     [
-        ({"cells": 0}, ["cells", "found 0", "positive whole number"]),
+        ({"cells": 0}, ["argument cells", "found 0", "a whole number of at least 1"]),
         ({"cells": 8.5}, ["cells", "found 8.5"]),
-        ({"cells": 8, "cell_size": 0.1}, ["cells", "one of the two"]),
-        ({"cell_size": -1}, ["cell_size", "positive length"]),
+        ({"cells": 8, "cell_size": 0.1}, ["argument cells and argument cell_size: both are given"]),
+        ({"cell_size": -1}, ["cell_size", "a number above 0"]),
         ({"betti": (1, -1)}, ["betti", "found -1"]),
         ({"betti": "100"}, ["betti", "found '100'"]),
-        ({"betti": (None, None)}, ["betti", "at least one number"]),
+        ({"betti": (None, None)}, ["betti", "at least one of betti_0"]),
         ({"betti": ({"least": 1},)}, ["betti", "'least'", "min"]),
         ({"betti": (1, 0, 0, 0)}, ["up to three"]),
         ({"betti": ({"min": 3, "max": 1},)}, ["betti", "min is not above"]),
-        ({"threshold": 1.5}, ["threshold", "found 1.5", "above 0.0 to 1.0"]),
+        ({"threshold": 1.5}, ["threshold", "found 1.5", "above 0 and at most 1"]),
         ({"threshold": 0}, ["threshold", "found 0"]),
         ({"threshold": "a"}, ["threshold", "found 'a'"]),
         ({"threshold": float("nan")}, ["threshold", "found nan"]),
         ({"persistence": 2}, ["persistence", "found 2"]),
         ({"persistence": -1}, ["persistence", "found -1"]),
         ({"persistence": float("nan")}, ["persistence", "found nan"]),
-        ({"tolerance": "x"}, ["tolerance", "from 1e-12 to 0.01"]),
-        ({"components": {"min_cells": -1}}, ["components: min_cells", "whole number from 1"]),
-        ({"holes": {"min_persistence": 2}}, ["holes: min_persistence", "from 0 to 1"]),
-        ({"betti": (1,), "threshold": 0.5}, ["threshold and betti", "one of them"]),
-        ({"rule": "clamp"}, ["rule", "found 'clamp'", "average, clamped"]),
+        ({"tolerance": "x"}, ["tolerance", "of at least 1e-12 and at most 0.01"]),
+        (
+            {"components": {"min_cells": -1}},
+            ["components, min_cells", "a whole number of at least 1"],
+        ),
+        ({"holes": {"min_persistence": 2}}, ["holes, min_persistence", "at most 1"]),
+        (
+            {"betti": (1,), "threshold": 0.5},
+            ["argument threshold and argument betti", "one of the two"],
+        ),
+        (
+            {"rule": "clamp"},
+            ["rule", "found 'clamp'", "average, clamped", "did you mean 'clamped'?"],
+        ),
         ({"bridges": "some"}, ["bridges", "forest, all, none"]),
         ({"volume": "same"}, ["volume", "match"]),
         ({"components": {"min_cell": 3}}, ["components", "min_cells"]),
-        ({"window": ((0, 0, 0), (1, 0, 1))}, ["window", "above the lowest one"]),
+        ({"window": ((0, 0, 0), (1, 0, 1))}, ["window", "above `lower` along every axis"]),
         ({"image": {"voxel": 3}}, ["image", "voxel_size"]),
-        ({"window": 3}, ["window", "lowest and its highest"]),
+        ({"sampels": 4}, ["tusqh.mesh: unknown argument 'sampels'", "did you mean 'samples'?"]),
+        ({"min_cells": 4}, ["unknown argument 'min_cells'"]),
+        ({"window": 3}, ["window", "the lowest and the highest corner"]),
     ],
 )
 def test_bad_arguments_are_explained(arguments, parts):

@@ -17,6 +17,7 @@ from tusqh.hashing import canonical_json
 from tusqh.meshes.export import read_vtu, write_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.sampling.io import save_fractions
+from tusqh.settings.goal import Goal
 from tusqh.settings.policy import Criteria, Policy
 from tusqh.threshold.plateaus import predict_plateaus
 from tusqh.threshold.select import choose_threshold
@@ -30,7 +31,7 @@ def folder(tmp_path):
     policy = Policy(components=Criteria(min_cells=2), holes=Criteria(min_cells=2))
     cell_sets = CellSets(fractions, policy)
     predicted = predict_plateaus(cell_sets, betti_curves(fractions.values))
-    selection, _ = choose_threshold(cell_sets, predicted, threshold=0.6, name="noise")
+    selection, _ = choose_threshold(cell_sets, predicted, goal=Goal(threshold=0.6), name="noise")
     resolved = build_mesh(cell_sets.at(0.6), fractions.grid, name="noise")
     assert len(resolved.cells.features) > 0
     save_fractions(tmp_path / "fractions.npz", fractions)
@@ -133,7 +134,7 @@ def test_no_certificate_for_a_mesh_that_is_not_as_predicted(folder):
     fractions = random_fractions(np.random.default_rng(4), (9, 9), n_levels=9)
     cell_sets = CellSets(fractions, Policy(bridges="none"))
     predicted = predict_plateaus(cell_sets, betti_curves(fractions.values))
-    selection, _ = choose_threshold(cell_sets, predicted, threshold=0.3)
+    selection, _ = choose_threshold(cell_sets, predicted, goal=Goal(threshold=0.3))
     with pytest.raises(MeshError, match="measured Betti numbers"):
         make_certificate(
             selection,

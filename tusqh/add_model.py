@@ -6,22 +6,23 @@ import csv
 import io
 import shutil
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from tusqh.atomic import replacing
-from tusqh.config import load_config, read_yaml
 from tusqh.errors import ConfigError
 from tusqh.geometry.packaged import PACKAGE, locate
 from tusqh.hashing import hash_file
 from tusqh.pipeline.ingest import describe_geometry, ingest
+from tusqh.settings.load import load_config, read_yaml
+from tusqh.settings.model import Model
 
 REGISTER = Path("data_sources/register.csv")
-SCHEMA = Path("workflow/schemas/config.schema.yaml")
 
-#: What `describe` counts that is no defect.
+#: What `describe` counts that is not a defect.
 _NO_DEFECTS = {
     *("triangles", "parts", "shells", "segments", "chains", "closed_chains", "points"),
     *("counter_clockwise_chains", "clockwise_chains", "signed_area", "signed_volume"),
@@ -33,8 +34,7 @@ _NO_DEFECTS = {
 def add_model(
     config_file: Path,
     name: str,
-    geometry: str,
-    settings: dict[str, Any],
+    model: Model,
     *,
     licence: str = "unknown",
     origin: str = "",
@@ -50,11 +50,9 @@ def add_model(
     config_file
         The configuration, in the folder ``config`` of the repository.
     name
-        The model.
-    geometry
-        Path of its file, or ``package:NAME/FILE``.
-    settings
-        Other keys of its block.
+        The name of the model.
+    model
+        Its settings; those that are not the defaults, and the grid, become its block.
     licence, origin, url
         Where the file comes from and what one may do with it, for the register.
 
@@ -68,21 +66,21 @@ def add_model(
     Raises
     ------
     ConfigError
-        The name or an equal block is there already, or the block is not valid.
+        The name or an equal block exists already, or the block is not valid.
     GeometryError
         The file cannot be read; dirty geometry can.
     OutputError
         A file cannot be written.
     """
     root = config_file.resolve().parent.parent
-    source = locate(geometry)
-    defects = describe_geometry(ingest(geometry, image=settings.get("image")))
-    file = _file_in(root, name, geometry, source)
-    entry = {"geometry": file, **settings}
+    source = locate(model.geometry)
+    defects = describe_geometry(ingest(model.geometry, image=model.settings.image.to_dict()))
+    file = _file_in(root, name, model.geometry, source)
+    entry = _to_entry(replace(model, geometry=file))
     before = read_yaml(config_file)
     _require_new(before.get("models", {}), name, entry, where=str(config_file))
     block, text = _insert(config_file, name, entry)
-    _require_valid(root, config_file, text, {**before, "models": {**before["models"], name: entry}})
+    _require_valid(config_file, text, {**before, "models": {**before["models"], name: entry}})
     row = {
         "model": name,
         "file": file,
@@ -103,6 +101,17 @@ def add_model(
     return block, row
 
 
+def _to_entry(model: Model) -> dict[str, Any]:
+    """Return the block of a model: its grid, and what is not a default.
+
+    >>> _to_entry(Model(geometry="a.stl", unit="mm"))
+    {'geometry': 'a.stl', 'unit': 'mm', 'grid': {'cells': 64}}
+    """
+    known = model.to_dict()
+    changed = model.to_dict(defaults=False)
+    return {key: changed.get(key, known[key]) for key in known if key in {*changed, "grid"}}
+
+
 def _file_in(root: Path, name: str, geometry: str, source: Path) -> str:
     """Return how the configuration names the file: relative to the repository."""
     if geometry.startswith(PACKAGE):
@@ -113,7 +122,7 @@ def _file_in(root: Path, name: str, geometry: str, source: Path) -> str:
     target = Path("data_sources") / name / source.name
     if (root / target).exists() and hash_file(root / target) != hash_file(source):
         raise ConfigError(
-            "another file of that name is there already",
+            "another file of that name exists already",
             where=str(root / target),
             expected="a new file, or the same one",
             remedy="choose another --name, or rename the file",
@@ -141,7 +150,7 @@ def _insert(config_file: Path, name: str, entry: dict[str, Any]) -> tuple[str, s
     models = next((value for key, value in document.value if key.value == "models"), None)
     if not isinstance(models, yaml.MappingNode) or models.flow_style or not models.value:
         raise ConfigError(
-            "`models:` is no list of indented blocks",
+            "`models:` is not a list of indented blocks",
             where=str(config_file),
             expected="one indented block per model",
             remedy="write the first model by hand; config/README.md shows how",
@@ -174,7 +183,7 @@ def _to_yaml(value: Any) -> str:
     return str(text).removesuffix("\n").removesuffix("\n...")
 
 
-def _require_valid(root: Path, config_file: Path, text: str, expected: dict[str, Any]) -> None:
+def _require_valid(config_file: Path, text: str, expected: dict[str, Any]) -> None:
     """Raise unless the new text says what was meant and follows the schema."""
     if yaml.safe_load(text) != expected:
         raise ConfigError(
@@ -183,7 +192,7 @@ def _require_valid(root: Path, config_file: Path, text: str, expected: dict[str,
             expected="one indented block per model",
             remedy="add it by hand; config/README.md shows how",
         )
-    load_config([config_file], root / SCHEMA, expected)
+    load_config([config_file], expected)
 
 
 def _with_row(register: Path, row: dict[str, str]) -> str:

@@ -30,15 +30,13 @@ plate,data_sources/plate.svg,yes,drawn here,,BSD-3-Clause,00,none
 
 
 @pytest.fixture
-def project(tmp_path, repository):
+def project(tmp_path):
     """A small repository beside a folder with a part."""
     root = tmp_path / "project"
-    for folder in ("config", "data_sources", "workflow/schemas"):
+    for folder in ("config", "data_sources"):
         (root / folder).mkdir(parents=True)
     (root / "config/config.yaml").write_text(CONFIG)
     (root / "data_sources/register.csv").write_text(REGISTER)
-    schema = "workflow/schemas/config.schema.yaml"
-    (root / schema).write_text((repository / schema).read_text())
     box = trimesh.creation.box()
     box.update_faces([k > 0 for k in range(len(box.faces))])
     box.export(tmp_path / "part.stl")
@@ -115,11 +113,11 @@ def test_files_inside_and_in_packages_are_not_copied(project, add):
     [
         (["../part.stl", "--name", "plate"], "'plate' has the same name"),
         (["../part.stl", "--name", "PLATE"], "'plate' has the same name"),
-        (["../part.stl", "--name", "a<script>"], "is no plain file name"),
-        (["../part.stl", "--name", "../up"], "is no plain file name"),
+        (["../part.stl", "--name", "a<script>"], "is not a plain file name"),
+        (["../part.stl", "--name", "../up"], "is not a plain file name"),
         (["../part.stl", "--name", "tables"], "is reserved"),
-        (["../part.stl", "--threshold", "7"], "above 0.0 to 1.0"),
-        (["../part.stl", "--betti", "1", "--threshold", "0.5"], "one of them"),
+        (["../part.stl", "--threshold", "7"], "above 0 and at most 1"),
+        (["../part.stl", "--betti", "1", "--threshold", "0.5"], "both are given"),
         (["../none.stl"], "no such file"),
         (["../part.stl", "--config", "config/other.yaml"], "cannot be read"),
     ],

@@ -12,7 +12,8 @@ from tusqh.geometry.soup import Soup
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.fractions import VolumeFractions
-from tusqh.settings.policy import Policy
+from tusqh.settings.goal import Goal
+from tusqh.settings.model import Settings
 from tusqh.threshold.plateaus import predict_plateaus
 from tusqh.threshold.select import choose_threshold
 from tusqh.topology.curves import betti_curves
@@ -41,11 +42,13 @@ def box_of(grid):
 
 def make_subject(fractions, policy=None, *, name="noise", threshold=0.5):
     """Return everything about a field that its explorer shows."""
-    settings = policy or {}
-    cell_sets = CellSets(fractions, Policy.from_dict(settings))
+    settings = Settings.from_dict(policy or {})
+    cell_sets = CellSets(fractions, settings.policy)
     curves = betti_curves(fractions.values)
     topologies = predict_plateaus(cell_sets, curves)
-    selection, _ = choose_threshold(cell_sets, topologies, threshold=threshold, name=name)
+    selection, _ = choose_threshold(
+        cell_sets, topologies, goal=Goal(threshold=threshold), name=name
+    )
     built = build_mesh(cell_sets.at(selection.threshold), fractions.grid, name=name)
     verdict = pd.DataFrame(
         [("a check", "0", "0", "yes")], columns=["name", "found", "required", "holds"]

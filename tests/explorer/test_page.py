@@ -11,9 +11,10 @@ from subjects import make_subject, noise
 
 from tusqh.errors import ConfigError
 from tusqh.explorer import assets
-from tusqh.explorer.command import mesh_command
+from tusqh.explorer.command import Command, mesh_command
 from tusqh.explorer.page import make_page, to_script_json
 from tusqh.explorer.subject import FILES, read_subject, stands_on_y
+from tusqh.settings.model import Settings
 
 
 @pytest.fixture(scope="module")
@@ -80,41 +81,37 @@ def test_colours_are_those_of_the_figures():
 
 
 @pytest.mark.parametrize(
-    ("settings", "words"),
+    ("block", "words"),
     [
-        ({}, "tusqh mesh p.stl --cells 64"),
-        ({"grid": {"cells": [60, 79]}}, "tusqh mesh p.stl --cells 60,79"),
-        (
-            {"grid": {"cell_size": 0.5}, "samples": 6},
-            "tusqh mesh p.stl --cell-size 0.5 --samples 6",
-        ),
+        ({}, "--cells 64"),
+        ({"grid": {"cells": [60, 79]}}, "--cells 60,79"),
+        ({"grid": {"cell_size": 0.5}, "samples": 6}, "--cell-size 0.5 --samples 6"),
         (
             {"window": {"lower": [-1, 0.0], "upper": [2, 3.5]}, "domain": "outside"},
-            "tusqh mesh p.stl --cells 64 --domain outside --window=-1,0,2,3.5",
+            "--cells 64 --domain outside --window=-1,0,2,3.5",
         ),
         (
             {"image": {"voxel_size": 0.5, "full": 255}},
-            "tusqh mesh p.stl --cells 64 --voxel-size 0.5 --full 255",
+            "--cells 64 --voxel-size 0.5 --full 255",
         ),
         (
             {"components": {"min_cells": 4}, "mixed_pinches": "connect", "samples": 4},
-            "tusqh mesh p.stl --cells 64 --mixed-pinches connect --min-cells 4",
+            "--cells 64 --mixed-pinches connect --min-cells 4",
         ),
+        (
+            {"components": {"keep": 2}, "voids": {"min_cells": 2}, "sampler": "libigl"},
+            "--cells 64 --sampler libigl --keep 2 --voids-min-cells 2",
+        ),
+        ({"target": {"betti_0": 1}}, "--cells 64"),
     ],
 )
-def test_the_command_says_what_differs_from_the_defaults(settings, words):
-    command = mesh_command("p.stl", settings, name="p")
-    assert (command.before, command.after, command.note) == (words, "-o p.vtu", "")
-
-
-def test_the_command_says_what_it_cannot_say():
-    settings = {"components": {"min_cells": 4, "keep": 2}, "voids": {"min_cells": 2}}
-    command = mesh_command("p.stl", settings, name="p")
-    assert command.note == "the criteria for components, voids of this model are in config.yaml"
+def test_the_command_says_what_differs_from_the_defaults(block, words):
+    command = mesh_command("p.stl", Settings.from_dict(block), name="p")
+    assert command == Command(f"tusqh mesh p.stl {words}", "-o p.vtu")
 
 
 def test_names_are_quoted_for_the_shell():
-    command = mesh_command("a b; rm -rf.stl", {}, name="$(x)")
+    command = mesh_command("a b; rm -rf.stl", Settings(), name="$(x)")
     assert command.before.startswith("tusqh mesh 'a b; rm -rf.stl' ")
     assert command.after == "-o '$(x).vtu'"
 

@@ -3,11 +3,11 @@ import pytest
 from tusqh.errors import SamplingError
 from tusqh.geometry.outline import Outline
 from tusqh.grid import BackgroundGrid
-from tusqh.sampling.layout import lay_grid, to_window
+from tusqh.sampling.layout import lay_grid
 
 
 def test_a_grid_lies_over_the_window_or_the_bounding_box(square):
-    window = to_window({"lower": [0, 0], "upper": [2, 1]})
+    window = ((0.0, 0.0), (2.0, 1.0))
     assert lay_grid(square, window, cells=4).shape == (4, 2)
     assert lay_grid(square, None, cells=[5, 5]).shape == (5, 5)
     assert lay_grid(square, None, cell_size=0.25).shape == (4, 4)

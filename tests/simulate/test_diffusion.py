@@ -7,10 +7,10 @@ import pytest
 from plain_meshes import two_islands, unit_square
 
 from tusqh.errors import SimulationError
+from tusqh.settings.simulation import Simulation
 from tusqh.simulate.components import count_matrix_components
 from tusqh.simulate.diffusion import lump, march, simulate_diffusion
 from tusqh.simulate.operators import assemble
-from tusqh.simulate.settings import Simulation
 from tusqh.simulate.snapshots import read_snapshot, write_snapshots
 
 DIFFUSIVITY = 0.3

@@ -10,10 +10,10 @@ from tusqh.errors import SimulationError
 from tusqh.readers.files import read_file
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.layout import lay_grid
+from tusqh.settings.simulation import Simulation
 from tusqh.simulate.components import count_matrix_components
 from tusqh.simulate.diffusion import lump, march, simulate_diffusion
 from tusqh.simulate.operators import assemble
-from tusqh.simulate.settings import Simulation
 from tusqh.simulate.snapshots import read_snapshot, write_snapshots
 
 

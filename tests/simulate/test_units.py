@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from plain_meshes import two_islands, unit_cube, unit_square
 
+from tusqh.settings.simulation import Simulation
 from tusqh.simulate.diffusion import simulate_diffusion
-from tusqh.simulate.settings import Simulation
 from tusqh.simulate.units import METRES
 
 STEPS = (0, 3, 6)

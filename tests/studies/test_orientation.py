@@ -24,6 +24,7 @@ from studies.raw_cells import raw_mesh
 from tusqh.geometry.outline import Outline
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import sample_fractions
+from tusqh.settings.goal import Target
 from tusqh.settings.policy import Criteria, Policy
 
 STILL = Placement(np.eye(2), np.zeros(2))
@@ -102,7 +103,7 @@ def made_up(raw, decided, policy, cells=8, threshold=0.5):
 
 def test_a_spread_that_halves_shrinks_by_half():
     table = made_up([1, 5, 1, 5] * 10, [1, 3, 1, 3] * 10, [1] * 40)
-    spread = measure_spread(table, name="a", target={"betti_0": 1}).set_index("scheme")
+    spread = measure_spread(table, name="a", target=Target(betti_0=1)).set_index("scheme")
     spread = spread.loc[["sub-cells, majority", POLICY]]
     assert spread["raw_spread"].tolist() == [2, 2]
     assert spread["spread"].tolist() == [1, 0]
@@ -142,7 +143,7 @@ def test_the_recommended_grid_is_the_coarsest_robust_one():
         for t in (0.2, 0.3, 0.4)
     )
     table = pd.concat([coarse, fine], ignore_index=True)
-    stability = map_stability(table, name="a", target={"betti_0": 1})
+    stability = map_stability(table, name="a", target=Target(betti_0=1))
     grids = recommend_grid(stability, table).set_index("scheme")
     assert grids.loc[POLICY, ["cells", "threshold", "share", "robust"]].tolist() == [
         *(16, 0.3, 0.95),

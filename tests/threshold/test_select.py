@@ -7,6 +7,7 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
 from tusqh.errors import TopologyError
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
+from tusqh.settings.goal import Goal, Range, Target
 from tusqh.settings.policy import Criteria, Policy
 from tusqh.threshold import plateaus, select
 from tusqh.threshold.goals import distances
@@ -22,7 +23,10 @@ def choose(fractions, policy=None, **wanted):
     cell_sets = CellSets(fractions, policy)
     predicted = predict_plateaus(cell_sets, betti_curves(fractions.values))
     pairs = persistence_pairs(fractions.values)
-    return choose_threshold(cell_sets, predicted, pairs=pairs, name="ring", **wanted)
+    if "target" in wanted:
+        wanted["target"] = Target.from_dict(wanted["target"])
+    goal = Goal(**wanted)
+    return choose_threshold(cell_sets, predicted, pairs=pairs, goal=goal, name="ring")
 
 
 def mesh_of(fractions, chosen):
@@ -116,7 +120,7 @@ def test_every_reachable_topology_gives_a_mesh_that_has_it():
         predicted = predict_plateaus(cell_sets, betti_curves(fractions.values))
         reachable = predicted[predicted["cells"] > 0][["betti_0", "betti_1"]].drop_duplicates()
         for target in reachable.to_dict("records"):
-            chosen, _ = choose_threshold(cell_sets, predicted, target=target)
+            chosen, _ = choose_threshold(cell_sets, predicted, goal=Goal(target=Target(**target)))
             mesh = mesh_of(fractions, chosen)
             assert betti_by_euler(mesh)._asdict() == {**target, "betti_2": 0}
             n_meshes += 1
@@ -207,8 +211,8 @@ def test_persistence_never_chooses_an_empty_mesh():
 def test_no_number_lies_in_an_empty_range():
     rows = pd.DataFrame({"betti_0": np.arange(6)})
     for low, high in ((3, 1), (2, 1), (5, 0)):
-        assert (distances(rows, {"betti_0": {"min": low, "max": high}}) > 0).all()
-    assert distances(rows, {"betti_0": {"min": 2, "max": 3}}).tolist() == [2, 1, 0, 0, 1, 2]
+        assert (distances(rows, Target(betti_0=Range(min=low, max=high))) > 0).all()
+    assert distances(rows, Target(betti_0=Range(min=2, max=3))).tolist() == [2, 1, 0, 0, 1, 2]
 
 
 def test_persistence_on_random_fields_is_verified_by_measurement():

@@ -9,6 +9,7 @@ from tusqh.quality.verification import VERIFICATION_COLUMNS, verify_mesh
 from tusqh.readers.files import read_file
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.layout import lay_grid
+from tusqh.settings.goal import Goal
 from tusqh.settings.policy import Criteria, Policy
 from tusqh.threshold.plateaus import predict_plateaus
 from tusqh.threshold.select import choose_threshold
@@ -45,7 +46,9 @@ def test_at_least_six_topologies_can_be_asked_for(fractions, bridges):
     targets = predicted[["betti_0", "betti_1"]].drop_duplicates().to_dict("records")
     assert len(targets) >= 6
     for target in targets:
-        chosen, candidates = choose_threshold(cell_sets, predicted, target=target)
+        chosen, candidates = choose_threshold(
+            cell_sets, predicted, goal=Goal.from_dict({"target": target})
+        )
         assert (candidates["status"] == "chosen").sum() == 1
         mesh = build_mesh(cell_sets.at(chosen.threshold), fractions.grid).mesh
         assert betti_by_boundary(mesh)._asdict() == {**target, "betti_2": 0}

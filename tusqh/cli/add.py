@@ -9,26 +9,17 @@ import typer
 from rich.console import Console
 
 from tusqh.cli import options
+from tusqh.settings.model import Model, Settings
 
 
+@options.with_settings()
 def add(
     geometry: options.Source,
     name: Annotated[
         str | None, typer.Option(help="The model. (default the name of the file)")
     ] = None,
-    cells: options.Cells = None,
-    cell_size: options.CellSize = None,
-    betti: options.Betti = None,
-    threshold: options.Threshold = None,
-    persistence: options.Persistence = None,
-    match_volume: options.MatchVolume = False,
-    window: options.Window = None,
-    domain: options.Domain = "inside",
-    rule: options.Rule = "average",
-    min_cells: options.MinCells = None,
-    voxel_size: options.VoxelSize = None,
-    empty: options.Empty = None,
-    full: options.Full = None,
+    *,
+    settings: Settings,
     unit: Annotated[str, typer.Option(help="Unit of length of the file.")] = "m",
     licence: Annotated[str, typer.Option(help="What one may do with the file.")] = "unknown",
     origin: Annotated[str, typer.Option(help="Where the file comes from, in words.")] = "",
@@ -50,27 +41,10 @@ def add(
     * `tusqh add package:pyvista/examples/nut.ply --name nut --cells 32`
     """
     from tusqh.add_model import add_model
-    from tusqh.pipeline.settings import to_settings
 
-    settings = to_settings(
-        cells=cells,
-        cell_size=cell_size,
-        betti=betti,
-        window=window,
-        threshold=threshold,
-        persistence=persistence,
-        volume="match" if match_volume else None,
-        domain=None if domain == "inside" else domain,
-        rule=None if rule == "average" else rule,
-        components=None if min_cells is None else {"min_cells": min_cells},
-        image=options.to_image(voxel_size, empty, full),
-    )
-    if unit != "m":
-        settings = {"unit": unit, **settings}
     name = name or Path(geometry).stem
-    block, row = add_model(
-        config, name, geometry, settings, licence=licence, origin=origin, url=url
-    )
+    model = Model(geometry=geometry, unit=unit, settings=settings)
+    block, row = add_model(config, name, model, licence=licence, origin=origin, url=url)
     console = Console(markup=False, highlight=False)
     console.print(f"added to {config}:\n\n{block}")
     console.print(f"SHA-256 {row['sha256']}; known defects: {row['known_defects']}")

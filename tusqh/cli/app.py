@@ -15,6 +15,7 @@ from tusqh.cli.check import check
 from tusqh.cli.inspect import inspect
 from tusqh.cli.interruption import catch_signals, to_exit_code
 from tusqh.cli.mesh import mesh
+from tusqh.cli.options import Command
 from tusqh.cli.show import report_error
 from tusqh.cli.view import view
 from tusqh.errors import TusqhError
@@ -34,7 +35,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 for command in (mesh, inspect, view, check, add):
-    app.command()(command)
+    app.command(cls=Command)(command)
 
 
 @app.callback()

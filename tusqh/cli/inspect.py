@@ -10,29 +10,20 @@ from rich.console import Console
 from tusqh.cli import options
 from tusqh.cli.progress import shown
 from tusqh.cli.show import show
+from tusqh.settings.model import Settings
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: So many intervals of the threshold are listed, the widest ones.
+#: Number of intervals of the threshold that are listed, the widest ones.
 _ROWS = 12
 
 
+@options.with_settings(without=("goal",))
 def inspect(
     geometry: options.Source,
-    cells: options.Cells = None,
-    cell_size: options.CellSize = None,
-    window: options.Window = None,
-    domain: options.Domain = "inside",
-    samples: options.Samples = 4,
-    rule: options.Rule = "average",
-    sampler: options.Sampler = "crossings",
-    tolerance: options.Tolerance = 1e-6,
-    orientation: options.Orientation = "auto",
-    min_cells: options.MinCells = None,
-    voxel_size: options.VoxelSize = None,
-    empty: options.Empty = None,
-    full: options.Full = None,
+    *,
+    settings: Settings,
     every: Annotated[
         bool, typer.Option("--all", help=f"List every interval, not the {_ROWS} widest.")
     ] = False,
@@ -55,32 +46,22 @@ def inspect(
     from tusqh.pipeline.persistence import find_persistence
     from tusqh.pipeline.sample import sample
     from tusqh.pipeline.select import predict
-    from tusqh.pipeline.settings import POLICY, SAMPLING, pick, to_settings
 
-    settings = to_settings(
-        cells=cells,
-        cell_size=cell_size,
-        window=window,
-        domain=domain,
-        samples=samples,
-        rule=rule,
-        sampler=sampler,
-        tolerance=tolerance,
-        orientation=orientation,
-        components=None if min_cells is None else {"min_cells": min_cells},
-        image=options.to_image(voxel_size, empty, full),
-    )
-    found = ingest(geometry, image=settings.get("image"))
+    found = ingest(geometry, image=settings.image.to_dict())
     show(describe_geometry(found), title=f"Defects of {found.name}")
     if defects_only:
         return
     with shown() as progress:
         fractions = sample(
-            found, **pick(settings, ("grid", "window", *SAMPLING)), progress=progress
+            found,
+            grid=settings.grid,
+            sampling=settings.sampling,
+            window=settings.window,
+            progress=progress,
         )
         progress("persistence")
         curves = find_persistence(fractions, name=found.name).curves
-        _, topologies = predict(fractions, curves, policy=pick(settings, POLICY), progress=progress)
+        _, topologies = predict(fractions, curves, policy=settings.policy, progress=progress)
     table, n_more = _list_topologies(topologies, every=every)
     show(table, title=f"Topologies on {fractions.grid.label} cells, by threshold t")
     if n_more:

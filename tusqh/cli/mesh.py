@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
@@ -14,6 +14,7 @@ from tusqh.cli import options
 from tusqh.cli.progress import shown
 from tusqh.cli.show import report_error
 from tusqh.errors import OutputError, TopologyError
+from tusqh.settings.model import Settings
 
 if TYPE_CHECKING:
     from tusqh.pipeline.result import Report
@@ -36,33 +37,13 @@ Results = Annotated[
 ]
 
 
+@options.with_settings()
 def mesh(
     geometry: options.Source,
     output: Output = None,
     results: Results = None,
-    cells: options.Cells = None,
-    cell_size: options.CellSize = None,
-    betti: options.Betti = None,
-    threshold: options.Threshold = None,
-    persistence: options.Persistence = None,
-    match_volume: options.MatchVolume = False,
-    window: options.Window = None,
-    domain: options.Domain = "inside",
-    samples: options.Samples = 4,
-    rule: options.Rule = "average",
-    sampler: options.Sampler = "crossings",
-    tolerance: options.Tolerance = 1e-6,
-    orientation: options.Orientation = "auto",
-    min_cells: options.MinCells = None,
-    voxel_size: options.VoxelSize = None,
-    empty: options.Empty = None,
-    full: options.Full = None,
-    mixed_pinches: Annotated[
-        str, typer.Option(help="Adjacent pinches that disagree: separate, connect, majority.")
-    ] = "separate",
-    bridges: Annotated[
-        str, typer.Option(help="2D: join islands along interior edges: forest, all, none.")
-    ] = "forest",
+    *,
+    settings: Settings,
     as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
 ) -> None:
     """Mesh a dirty geometry with the topology you ask for.
@@ -80,31 +61,11 @@ def mesh(
     """
     outputs = output or [Path(Path(geometry).stem + ".vtu")]
     _require_outputs(geometry, outputs, results)
-    from tusqh.pipeline.mesh import mesh as make_mesh
+    from tusqh.pipeline.mesh import run_stages
 
     try:
         with shown() as progress:
-            result = make_mesh(
-                geometry,
-                cells=cells,
-                cell_size=cell_size,
-                betti=betti,
-                threshold=threshold,
-                persistence=persistence,
-                volume="match" if match_volume else None,
-                window=window,
-                domain=cast(Any, domain),
-                samples=samples,
-                rule=cast(Any, rule),
-                sampler=cast(Any, sampler),
-                tolerance=tolerance,
-                orientation=cast(Any, orientation),
-                mixed_pinches=cast(Any, mixed_pinches),
-                bridges=cast(Any, bridges),
-                components=None if min_cells is None else {"min_cells": min_cells},
-                image=options.to_image(voxel_size, empty, full),
-                progress=progress,
-            )
+            result = run_stages(geometry, settings, progress=progress)
     except TopologyError as error:
         report_error(str(error))
         raise typer.Exit(1) from None

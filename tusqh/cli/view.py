@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import webbrowser
 from pathlib import Path
-from typing import Annotated, Any, cast
+from typing import Annotated
 
 import typer
 from rich.console import Console
 
 from tusqh.cli import options
 from tusqh.cli.progress import shown
+from tusqh.settings.model import Settings
 
 
+@options.with_settings()
 def view(
     source: Annotated[
         str,
@@ -32,19 +34,8 @@ def view(
     is_opened: Annotated[
         bool, typer.Option("--open/--no-open", help="Open the page in the browser, or not.")
     ] = True,
-    cells: options.Cells = None,
-    cell_size: options.CellSize = None,
-    betti: options.Betti = None,
-    threshold: options.Threshold = None,
-    window: options.Window = None,
-    domain: options.Domain = "inside",
-    samples: options.Samples = 4,
-    rule: options.Rule = "average",
-    orientation: options.Orientation = "auto",
-    min_cells: options.MinCells = None,
-    voxel_size: options.VoxelSize = None,
-    empty: options.Empty = None,
-    full: options.Full = None,
+    *,
+    settings: Settings,
     unit: Annotated[str, typer.Option(help="Unit of length of the geometry, for the axes.")] = "m",
 ) -> None:
     """Look at a model at every threshold, in one page that needs nothing but a browser.
@@ -64,13 +55,7 @@ def view(
         page = _from_folder(folder, output, unit)
     else:
         page = output or Path(folder.stem + ".html")
-        asked = {"cells": cells, "cell_size": cell_size, "betti": betti, "threshold": threshold}
-        asked |= {"window": window, "domain": domain, "samples": samples, "rule": rule}
-        image = options.to_image(voxel_size, empty, full)
-        asked |= {"orientation": orientation, "image": image}
-        if min_cells is not None:
-            asked["components"] = {"min_cells": min_cells}
-        _write_from_geometry(page, source, unit, asked)
+        _write_from_geometry(page, source, unit, settings)
     console = Console(highlight=False, markup=False, soft_wrap=True)
     console.print(f"{page} ({page.stat().st_size / 1e6:.1f} MB)")
     if is_opened and not webbrowser.open(page.absolute().as_uri()):
@@ -94,16 +79,16 @@ def _from_folder(folder: Path, output: Path | None, unit: str) -> Path:
     return page
 
 
-def _write_from_geometry(page: Path, source: str, unit: str, asked: dict[str, Any]) -> None:
+def _write_from_geometry(page: Path, source: str, unit: str, settings: Settings) -> None:
     """Mesh a geometry and write its page."""
     from tusqh.atomic import require_writable, write_text
     from tusqh.explorer.page import make_page
     from tusqh.explorer.subject import subject_of
-    from tusqh.pipeline.mesh import mesh
+    from tusqh.pipeline.mesh import run_stages
 
     require_writable(page)
     with shown() as progress:
-        result = mesh(source, progress=progress, **cast(Any, asked))
+        result = run_stages(source, settings, progress=progress)
         progress("explorer")
         text = make_page(subject_of(result, geometry=source, unit=unit))
     write_text(page, text)

@@ -3,22 +3,11 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
-#: Keys of a model's block that the command has an option for, with their defaults.
-_OPTIONS = {
-    "samples": 4,
-    "domain": "inside",
-    "rule": "average",
-    "orientation": "auto",
-    "mixed_pinches": "separate",
-    "bridges": "forest",
-}
-
-#: Keys that shape the mesh, whose criteria only the configuration and Python can say.
-_CRITERIA = ("components", "holes", "voids")
+from tusqh.settings.arguments import to_words
+from tusqh.settings.grid import Grid
+from tusqh.settings.model import Settings
 
 
 @dataclass(frozen=True)
@@ -30,7 +19,7 @@ class Command:
     before, after
         Its words before and after ``--threshold T``, quoted for a shell.
     note
-        What it does not say, for people; often empty.
+        What the command leaves out, in words; often empty.
     """
 
     before: str
@@ -38,7 +27,7 @@ class Command:
     note: str = ""
 
 
-def mesh_command(geometry: str, settings: Mapping[str, Any], *, name: str) -> Command:
+def mesh_command(geometry: str, settings: Settings, *, name: str) -> Command:
     """Return the `tusqh mesh` command of a model.
 
     Parameters
@@ -46,40 +35,19 @@ def mesh_command(geometry: str, settings: Mapping[str, Any], *, name: str) -> Co
     geometry
         Its geometry file, as the configuration names it.
     settings
-        Its block of the configuration; keys left out have their defaults.
+        How it is meshed; the threshold is left out.
     name
         The model, for the file to write.
 
     Examples
     --------
-    >>> command = mesh_command("my part.stl", {"grid": {"cells": 48}, "rule": "clamped"}, name="p")
+    >>> settings = Settings.from_dict({"grid": {"cells": 48}, "rule": "clamped"})
+    >>> command = mesh_command("my part.stl", settings, name="p")
     >>> print(command.before, command.after)
     tusqh mesh 'my part.stl' --cells 48 --rule clamped -o p.vtu
-    >>> mesh_command("bay.svg", {"holes": {"min_cells": 4}}, name="bay").note
-    'the criteria for holes of this model are in config.yaml'
     """
     words = ["tusqh", "mesh", geometry]
-    grid = settings.get("grid", {"cells": 64})
-    if "cell_size" in grid:
-        words += ["--cell-size", _number(grid["cell_size"])]
-    else:
-        cells = grid["cells"]
-        words += ["--cells", ",".join(map(str, cells)) if isinstance(cells, list) else str(cells)]
-    for key, default in _OPTIONS.items():
-        if settings.get(key, default) != default:
-            words += [f"--{key.replace('_', '-')}", str(settings[key])]
-    if "window" in settings:
-        corners = [*settings["window"]["lower"], *settings["window"]["upper"]]
-        words.append(f"--window={','.join(map(_number, corners))}")  # May begin with a minus.
-    components = dict(settings.get("components", {}))
-    if "min_cells" in components:
-        words += ["--min-cells", str(components.pop("min_cells"))]
-    for key, value in settings.get("image", {}).items():
-        words += [f"--{key.replace('_', '-')}", _number(value)]
-    unsaid = [key for key in _CRITERIA if (dict(settings) | {"components": components}).get(key)]
-    note = f"the criteria for {', '.join(unsaid)} of this model are in config.yaml"
-    return Command(shlex.join(words), shlex.join(["-o", f"{name}.vtu"]), note if unsaid else "")
-
-
-def _number(value: float) -> str:
-    return repr(value).removesuffix(".0")
+    if settings.grid == Grid():
+        words += ["--cells", str(settings.grid.cells)]
+    words += to_words(settings, without=("goal",))
+    return Command(shlex.join(words), shlex.join(["-o", f"{name}.vtu"]))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,10 @@ from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.result import Result
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.io import load_fractions
-from tusqh.settings.policy import Criteria
+from tusqh.settings.grid import Grid, Window
+from tusqh.settings.model import Settings
+from tusqh.settings.policy import Policy
+from tusqh.settings.sampling import Sampling
 from tusqh.threshold.select import Selection
 
 #: Tables that the page shows as they are.
@@ -121,7 +124,7 @@ def read_subject(
     *,
     geometry: str | None = None,
     unit: str = "m",
-    settings: Mapping[str, Any] | None = None,
+    settings: Settings | None = None,
 ) -> Subject:
     """Return what a result folder holds about its model; the folder has the model's name.
 
@@ -134,7 +137,7 @@ def read_subject(
     unit
         Its unit of length.
     settings
-        The model's block of the configuration; without it what the folder says about it.
+        How the model is meshed; None: what the folder says about it.
 
     Raises
     ------
@@ -184,17 +187,12 @@ def stands_on_y(geometry: str) -> bool:
     return geometry.lower().endswith(_Y_UP)
 
 
-def _known(chosen: Mapping[str, Any], fractions: VolumeFractions) -> dict[str, Any]:
-    """Return as much of a model's block of the configuration as its results tell."""
-    policy = dict(chosen["policy"])
-    for key in ("components", "holes", "voids"):
-        unset = asdict(Criteria())
-        policy[key] = {k: v for k, v in policy[key].items() if v != unset[k]}
+def _known(chosen: Mapping[str, Any], fractions: VolumeFractions) -> Settings:
+    """Return those settings of a model that its results tell."""
     grid = fractions.grid
-    box = {"lower": list(grid.origin), "upper": list(grid.upper)}
-    return {
-        "grid": {"cells": list(grid.shape)},
-        "window": box,
-        "samples": fractions.samples,
-        **policy,
-    }
+    return Settings(
+        grid=Grid(cells=grid.shape),
+        window=Window(lower=grid.origin, upper=grid.upper),
+        sampling=Sampling(samples=fractions.samples),
+        policy=Policy.from_dict(chosen["policy"]),
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from tusqh.pipeline.build import build
 from tusqh.pipeline.ingest import describe_geometry, ingest
@@ -13,15 +13,19 @@ from tusqh.pipeline.persistence import find_persistence
 from tusqh.pipeline.result import Result
 from tusqh.pipeline.sample import sample
 from tusqh.pipeline.select import select
-from tusqh.pipeline.settings import GOALS, POLICY, SAMPLING, Betti, pick, to_settings
 from tusqh.progress import Progress, log_progress
-from tusqh.sampling.field import TOLERANCE, Sampler
-from tusqh.sampling.fractions import Domain, Orientation, Rule
+from tusqh.settings.arguments import arguments_of, explains_unknown_arguments, from_arguments
+from tusqh.settings.model import Settings
 from tusqh.settings.policy import BridgeMode, MixedPinches
+from tusqh.settings.sampling import Domain, Orientation, Rule, Sampler
 
 __all__ = ["mesh"]
 
+#: What `betti` may be: up to three numbers, lists of numbers, ranges, or None for any number.
+Betti = Sequence[int | Sequence[int] | Mapping[str, int] | None]
 
+
+@explains_unknown_arguments
 def mesh(
     source: Any,
     *,
@@ -30,14 +34,14 @@ def mesh(
     betti: Betti | None = None,
     threshold: float | None = None,
     persistence: float | None = None,
-    volume: str | None = None,
+    volume: Literal["match"] | None = None,
     window: Sequence[Sequence[float]] | None = None,
     domain: Domain = "inside",
     samples: int = 4,
     rule: Rule = "average",
     orientation: Orientation = "auto",
     sampler: Sampler = "crossings",
-    tolerance: float = TOLERANCE,
+    tolerance: float = 1e-6,
     mixed_pinches: MixedPinches = "separate",
     bridges: BridgeMode = "forest",
     components: Mapping[str, Any] | None = None,
@@ -124,41 +128,51 @@ def mesh(
     >>> print(result.report.measured, result.report.is_suitable, result.mesh.cells.shape[1])
     (1, 1, 0) True 4
     """
-    settings = to_settings(
-        cells=cells,
-        cell_size=cell_size,
-        betti=betti,
-        window=window,
-        threshold=threshold,
-        persistence=persistence,
-        volume=volume,
-        domain=domain,
-        samples=samples,
-        rule=rule,
-        orientation=orientation,
-        sampler=sampler,
-        tolerance=tolerance,
-        mixed_pinches=mixed_pinches,
-        bridges=bridges,
-        components=components,
-        holes=holes,
-        voids=voids,
-        image=image,
-    )
+    given = locals()
+    settings = from_arguments(Settings, {key: given[key] for key in arguments_of(Settings)})
+    return run_stages(source, settings, name=name, progress=progress)
+
+
+def run_stages(
+    source: Any,
+    settings: Settings,
+    *,
+    name: str | None = None,
+    progress: Progress = log_progress,
+) -> Result:
+    """Return the mesh of a geometry by typed settings: what `tusqh.mesh` does.
+
+    Parameters
+    ----------
+    source
+        The geometry, see `tusqh.pipeline.ingest.ingest`.
+    settings
+        How it is meshed.
+    name
+        What files and messages call the model; None: the name of the file.
+    progress
+        Shows the progress of long steps.
+    """
     if name is None:
         name = Path(source).stem if isinstance(source, (str, Path)) else "model"
     progress("reading")
-    geometry = ingest(source, name=name, image=settings.get("image"))
+    geometry = ingest(source, name=name, image=settings.image.to_dict())
     defects = describe_geometry(geometry)
-    fractions = sample(geometry, **pick(settings, ("grid", "window", *SAMPLING)), progress=progress)
+    fractions = sample(
+        geometry,
+        grid=settings.grid,
+        sampling=settings.sampling,
+        window=settings.window,
+        progress=progress,
+    )
     progress("persistence")
     found = find_persistence(fractions, name=name)
     choice = select(
         fractions,
         found.curves,
         found.diagram,
-        policy=pick(settings, POLICY),
-        wanted=pick(settings, GOALS),
+        policy=settings.policy,
+        goal=settings.goal,
         name=name,
         progress=progress,
     )

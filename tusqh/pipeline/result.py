@@ -20,6 +20,7 @@ from tusqh.pipeline.persistence import Persistence
 from tusqh.pipeline.select import Choice
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.io import save_fractions
+from tusqh.settings.model import Settings
 from tusqh.tables import write_csv
 from tusqh.threshold.select import Selection
 from tusqh.topology.betti_numbers import BettiNumbers
@@ -132,7 +133,7 @@ class Result:
     choice: Choice
     built: Built
     judgement: Judgement
-    settings: dict[str, Any]
+    settings: Settings
 
     @property
     def name(self) -> str:

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from dataclasses import asdict
 
 from tusqh.geometry.image import Image
 from tusqh.geometry.kinds import Geometry
 from tusqh.progress import Progress, log_progress
 from tusqh.sampling.fractions import VolumeFractions, require_memory, sample_fractions
-from tusqh.sampling.layout import lay_grid, to_window
+from tusqh.sampling.layout import lay_grid
 from tusqh.sampling.voxels import lay_on_voxels, voxel_fractions
+from tusqh.settings.grid import Grid, Window
+from tusqh.settings.sampling import Sampling
 
 
 def sample(
     geometry: Geometry,
     *,
-    grid: Mapping[str, Any],
-    window: dict[str, list[float]] | None = None,
+    grid: Grid,
+    sampling: Sampling | None = None,
+    window: Window | None = None,
     progress: Progress = log_progress,
-    **sampling: Any,
 ) -> VolumeFractions:
     """Return the volume fractions of a geometry on the grid that its settings ask for.
 
@@ -28,30 +29,28 @@ def sample(
     geometry
         The geometry.
     grid
-        ``{"cells": n}`` along the longest side, ``{"cells": [nx, ny]}``, or
-        ``{"cell_size": h}`` in units of the geometry.  Cells of images are whole voxels, see
+        How fine the grid is.  Cells of images are whole voxels, see
         `tusqh.sampling.voxels.lay_on_voxels`.
+    sampling
+        How the fractions are sampled; None: the defaults.  Of images, whose fractions are exact,
+        only `domain` matters.
     window
-        Box to mesh in, ``{"lower": [...], "upper": [...]}``; the bounding box by default.
+        Box to mesh in; None: the bounding box.
     progress
-        Shows how far the samples are.
-    **sampling
-        `samples`, `domain`, `rule`, `orientation`, `sampler` and `tolerance`, see
-        `tusqh.sampling.fractions.sample_fractions`; images, whose fractions are exact, need
-        only `domain`.
+        Shows how many samples have been taken.
 
     Raises
     ------
     SamplingError
         Grid, window and geometry do not fit each other, or there is nothing inside.
     """
-    box = to_window(window)
+    sampling = sampling or Sampling()
+    box = None if window is None else window.box
     if isinstance(geometry, Image):
-        voxel_grid = lay_on_voxels(geometry, box, **grid)
-        domain = sampling.get("domain", "inside")
-        return voxel_fractions(geometry, voxel_grid, domain=domain, window=box)
-    background_grid = lay_grid(geometry, box, **grid)
+        voxel_grid = lay_on_voxels(geometry, box, cells=grid.cells, cell_size=grid.cell_size)
+        return voxel_fractions(geometry, voxel_grid, domain=sampling.domain, window=box)
+    background_grid = lay_grid(geometry, box, cells=grid.cells, cell_size=grid.cell_size)
     require_memory(background_grid, "meshing", name=geometry.name)
     return sample_fractions(
-        geometry, background_grid, window=box, progress=progress("samples"), **sampling
+        geometry, background_grid, window=box, progress=progress("samples"), **asdict(sampling)
     )

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import pandas as pd
 
 from tusqh.antialias.cells import CellSets
 from tusqh.progress import Progress, log_progress
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.settings.goal import Goal
 from tusqh.settings.policy import Policy
 from tusqh.threshold.plateaus import predict_plateaus
 from tusqh.threshold.select import Selection, choose_threshold
@@ -40,7 +39,7 @@ def predict(
     fractions: VolumeFractions,
     curves: pd.DataFrame,
     *,
-    policy: Mapping[str, Any] | None = None,
+    policy: Policy | None = None,
     progress: Progress = log_progress,
 ) -> tuple[CellSets, pd.DataFrame]:
     """Return the cells of every threshold and the topology that their meshes will have.
@@ -52,11 +51,18 @@ def predict(
     curves
         Raw Betti numbers by plateau, of these fractions.
     policy
-        Settings for `tusqh.settings.policy.Policy.from_dict`.
+        What to do about pinches and small features; None: the defaults.
     progress
-        Shows how many plateaus have been looked at.
+        Shows how many plateaus have been examined.
+
+    Returns
+    -------
+    cell_sets
+        The cells of every threshold.
+    topologies
+        Betti numbers of the mesh, by plateau of the threshold.
     """
-    cell_sets = CellSets(fractions, Policy.from_dict(policy or {}))
+    cell_sets = CellSets(fractions, policy or Policy())
     return cell_sets, predict_plateaus(cell_sets, curves, progress=progress("plateaus"))
 
 
@@ -65,8 +71,8 @@ def select(
     curves: pd.DataFrame,
     diagram: pd.DataFrame,
     *,
-    policy: Mapping[str, Any] | None = None,
-    wanted: Mapping[str, Any] | None = None,
+    policy: Policy | None = None,
+    goal: Goal | None = None,
     name: str = "model",
     progress: Progress = log_progress,
 ) -> Choice:
@@ -79,13 +85,13 @@ def select(
     curves, diagram
         Their topology, see `tusqh.pipeline.persistence`.
     policy
-        Settings for `tusqh.settings.policy.Policy.from_dict`.
-    wanted
-        One of `threshold`, `target`, `persistence` and `volume`; a threshold of 1/2 by default.
+        What to do about pinches and small features; None: the defaults.
+    goal
+        How the threshold is chosen; None: 1/2.
     name
         The model, for messages.
     progress
-        Shows how many plateaus have been looked at.
+        Shows how many plateaus have been examined.
 
     Raises
     ------
@@ -94,6 +100,6 @@ def select(
     """
     cell_sets, topologies = predict(fractions, curves, policy=policy, progress=progress)
     selection, candidates = choose_threshold(
-        cell_sets, topologies, pairs=diagram, name=name, **(wanted or {})
+        cell_sets, topologies, pairs=diagram, goal=goal, name=name
     )
     return Choice(selection, topologies, candidates)

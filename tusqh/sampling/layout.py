@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
 
 from tusqh.errors import SamplingError
 from tusqh.grid import BackgroundGrid
@@ -10,19 +10,13 @@ from tusqh.sampling.field import Geometry
 from tusqh.sampling.lattice import Box
 
 
-def to_window(window: dict[str, list[float]] | None) -> Box | None:
-    """Return the window of a configuration entry as its two corners.
-
-    >>> to_window({"lower": [0, 1], "upper": [2, 3]})
-    ((0.0, 1.0), (2.0, 3.0))
-    """
-    if window is None:
-        return None
-    lower, upper = (tuple(float(x) for x in window[end]) for end in ("lower", "upper"))
-    return lower, upper
-
-
-def lay_grid(geometry: Geometry, window: Box | None, **size: Any) -> BackgroundGrid:
+def lay_grid(
+    geometry: Geometry,
+    window: Box | None,
+    *,
+    cells: int | Sequence[int] | None = None,
+    cell_size: float | None = None,
+) -> BackgroundGrid:
     """Return the background grid for a geometry.
 
     Parameters
@@ -31,8 +25,10 @@ def lay_grid(geometry: Geometry, window: Box | None, **size: Any) -> BackgroundG
         The geometry.
     window
         Box to cover instead of the bounding box, in model units.
-    **size
-        `cells` (an int, or one per axis) or `cell_size`, see `BackgroundGrid.over_box`.
+    cells
+        Cells along the longest side, or along each axis, see `BackgroundGrid.over_box`.
+    cell_size
+        Edge length of a cell instead, in model units.
 
     Raises
     ------
@@ -41,12 +37,13 @@ def lay_grid(geometry: Geometry, window: Box | None, **size: Any) -> BackgroundG
     """
     lower, upper = window or geometry.bounding_box()
     dim = len(geometry.bounding_box()[0])
-    cells = size.get("cells")
+    if isinstance(cells, Sequence):
+        cells = tuple(cells)
     wrong = [
         f"`{key}` has {n} numbers"
         for key, n in (
             ("window", len(lower)),
-            ("grid.cells", len(cells) if isinstance(cells, list) else dim),
+            ("grid.cells", len(cells) if isinstance(cells, tuple) else dim),
         )
         if n != dim
     ]
@@ -57,6 +54,4 @@ def lay_grid(geometry: Geometry, window: Box | None, **size: Any) -> BackgroundG
             expected=f"{dim} numbers, one for each axis",
             remedy="give one number for each axis",
         )
-    if isinstance(size.get("cells"), list):
-        size["cells"] = tuple(size["cells"])
-    return BackgroundGrid.over_box(lower, upper, **size)
+    return BackgroundGrid.over_box(lower, upper, cells=cells, cell_size=cell_size)

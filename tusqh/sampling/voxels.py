@@ -15,6 +15,8 @@ There is no material outside the image.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from tusqh.errors import SamplingError
@@ -35,7 +37,7 @@ def lay_on_voxels(
     image: Image,
     window: Box | None = None,
     *,
-    cells: int | list[int] | None = None,
+    cells: int | Sequence[int] | None = None,
     cell_size: float | None = None,
 ) -> BackgroundGrid:
     """Return the background grid over an image, every cell a whole number of voxels.
@@ -66,7 +68,7 @@ def lay_on_voxels(
     n_voxels = last - first
     if cell_size is not None:
         per_cell = _to_multiple(image, cell_size)
-    elif isinstance(cells, list) and len(cells) != 3:
+    elif isinstance(cells, Sequence) and len(cells) != 3:
         raise SamplingError(
             f"`grid.cells` has {len(cells)} numbers, the image has 3 dimensions",
             where=image.name,
@@ -74,8 +76,8 @@ def lay_on_voxels(
             remedy="give one number for each axis",
         )
     else:
-        limit = np.asarray(cells if isinstance(cells, list) else [cells] * 3)
-        ratio = n_voxels / limit if isinstance(cells, list) else n_voxels.max() / limit
+        limit = np.asarray(cells if isinstance(cells, Sequence) else [cells] * 3)
+        ratio = n_voxels / limit if isinstance(cells, Sequence) else n_voxels.max() / limit
         per_cell = max(1, int(np.ceil(ratio.max())))
     return BackgroundGrid(
         shape=tuple((-(-n_voxels // per_cell)).tolist()),

@@ -110,7 +110,13 @@ def setting(sentence: str, *, default: Any = dataclasses.MISSING, **about: Any) 
 
 
 def entries_of(section: type) -> Iterator[Entry]:
-    """Yield the fields of a section in their order."""
+    """Yield the fields of a section in their order.
+
+    Parameters
+    ----------
+    section
+        The section.
+    """
     hints = get_type_hints(section)
     for field in dataclasses.fields(section):
         default = field.default

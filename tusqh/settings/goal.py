@@ -38,6 +38,9 @@ class Target(Section):
     betti_0 in [1, 2], 1 <= betti_1 <= 3
     """
 
+    #: How the option is written.
+    option_form: ClassVar[str] = " As 1,0,0; a range is 1..3, and `*` is any number."
+
     betti_0: Wanted | None = setting(
         "Number of connected components.", default=None, otherwise="any", at_least=0
     )
@@ -61,6 +64,16 @@ class Target(Section):
     def from_argument(value: Any) -> Any:
         """Return the value of the argument `betti`, a sequence, as a mapping.
 
+        Parameters
+        ----------
+        value
+            Up to three numbers, lists, ranges, or None for any number.
+
+        Raises
+        ------
+        ValueError
+            It is something else; the message says what is expected.
+
         >>> Target.from_argument((1, None, {"max": 2}))
         {'betti_0': 1, 'betti_2': {'max': 2}}
         """
@@ -73,6 +86,11 @@ class Target(Section):
     @staticmethod
     def from_option(text: str) -> Any:
         """Return the text of the option ``--betti`` as a mapping.
+
+        Parameters
+        ----------
+        text
+            Numbers and ranges, with commas between them.
 
         >>> Target.from_option("1,0..2,*")
         {'betti_0': 1, 'betti_1': {'min': 0, 'max': 2}}

@@ -55,6 +55,9 @@ class Window(Section):
 
     title: ClassVar[str] = "Grid"
 
+    #: How the option is written.
+    option_form: ClassVar[str] = " As X0,Y0,X1,Y1; in 3D, six numbers."
+
     lower: tuple[float, ...] = setting("Lowest corner, `[x, y]` or `[x, y, z]`.", n_items=(2, 3))
     upper: tuple[float, ...] = setting("Highest corner.", n_items=(2, 3))
 
@@ -75,6 +78,16 @@ class Window(Section):
     def from_argument(value: Any) -> Any:
         """Return the value of the argument `window`, lowest and highest corner, as a mapping.
 
+        Parameters
+        ----------
+        value
+            The two corners.
+
+        Raises
+        ------
+        ValueError
+            It is something else; the message says what is expected.
+
         >>> Window.from_argument([(0, 0), (4, 3)])
         {'lower': (0, 0), 'upper': (4, 3)}
         """
@@ -89,6 +102,16 @@ class Window(Section):
     @staticmethod
     def from_option(text: str) -> Any:
         """Return the text of the option ``--window`` as a mapping.
+
+        Parameters
+        ----------
+        text
+            Coordinates of the lowest and of the highest corner, with commas between them.
+
+        Raises
+        ------
+        ValueError
+            It is something else; the message says what is expected.
 
         >>> Window.from_option("0,0,4,3")
         {'lower': [0.0, 0.0], 'upper': [4.0, 3.0]}

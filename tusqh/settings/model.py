@@ -61,7 +61,12 @@ class Model(Section):
         "snapped nor closed.",
         extra={"minLength": 1},
     )
-    unit: str = setting("Unit of length in that file.", default="m")
+    unit: str = setting(
+        "Unit of length in that file (`nm`, `um`, `mm`, `cm`, `dm`, `m`, `km`, `in`, `ft`, or "
+        "another name), for figures and for the simulation, which is in SI units.",
+        default="m",
+        metavar="NAME",
+    )
     settings: Settings = setting("How it is meshed.", default=Settings, is_inline=True)
     panels: tuple[float, ...] = setting(
         "2D: thresholds of the three panels of the threshold figure.",

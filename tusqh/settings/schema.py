@@ -20,6 +20,11 @@ _KINDS = {int: "integer", float: "number", str: "string", bool: "boolean"}
 def schema_of(section: type) -> Schema:
     """Return the JSON schema of a section; the sections within it are in ``$defs``.
 
+    Parameters
+    ----------
+    section
+        The section.
+
     Examples
     --------
     >>> from tusqh.settings.policy import Criteria
@@ -33,6 +38,11 @@ def schema_of(section: type) -> Schema:
 
 def inner_type(hint: Any) -> Any:
     """Return a type without None.
+
+    Parameters
+    ----------
+    hint
+        The type.
 
     >>> inner_type(int | None)
     <class 'int'>

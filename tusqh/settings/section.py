@@ -82,14 +82,21 @@ class Section:
         """Yield pairs of values that contradict each other: path, found, expected."""
         for entry in entries_of(type(self)):
             value = getattr(self, entry.name)
-            if isinstance(value, Section):
-                step = () if entry.setting.is_inline else (entry.name,)
-                for path, found, expected in value.find_contradictions():
-                    yield (*step, *path), found, expected
+            within: Mapping[Any, Any] = value if isinstance(value, Mapping) else {None: value}
+            for key, inner in within.items():
+                steps = (None if entry.setting.is_inline else entry.name, key)
+                if isinstance(inner, Section):
+                    for path, found, expected in inner.find_contradictions():
+                        yield (*filter(None, steps), *path), found, expected
 
 
 def to_plain(value: Any) -> Any:
-    """Return a value with mappings, lists and numbers of Python only; keys without a value go.
+    """Return a value made of dictionaries, lists and Python's numbers, without keys that are None.
+
+    Parameters
+    ----------
+    value
+        A section, a mapping, a sequence, an array, a number or text.
 
     >>> to_plain({"cells": (60, 79), "cell_size": None})
     {'cells': [60, 79]}
@@ -97,7 +104,7 @@ def to_plain(value: Any) -> Any:
     if isinstance(value, Section):
         return value.to_dict()
     if isinstance(value, Mapping):
-        return {key: to_plain(inner) for key, inner in value.items() if inner is not None}
+        return {str(key): to_plain(v) for key, v in value.items() if v is not None}
     if isinstance(value, Sequence) and not isinstance(value, (str, bytes)):
         return [to_plain(inner) for inner in value]
     if hasattr(value, "tolist"):  # Arrays and numbers of NumPy.

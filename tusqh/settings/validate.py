@@ -55,12 +55,33 @@ def validate(values: Any, schema: Mapping, *, locate: Locate) -> None:
 
 
 def refuse(where: str, found: str, expected: str, remedy: str = _HELP) -> ConfigError:
-    """Return the error for a setting, the same for every way to give it."""
+    """Return the error for a setting, the same for every way to give it.
+
+    Parameters
+    ----------
+    where
+        The file and key, the option, or the argument.
+    found, expected
+        What was given, and what is allowed.
+    remedy
+        What to do next.
+    """
     return ConfigError(found, where=where, expected=expected, remedy=remedy)
 
 
 def refuse_unknown(where: str, name: str, allowed: list[str], *, kind: str = "key") -> ConfigError:
     """Return the error for a name that does not exist, with the nearest one that does.
+
+    Parameters
+    ----------
+    where
+        The file and key, the command, or the function.
+    name
+        The name.
+    allowed
+        The names that exist.
+    kind
+        What kind of name it is.
 
     >>> print(refuse_unknown("a.yaml: models.a", "sampels", ["grid", "samples"]))
     a.yaml: models.a: unknown key 'sampels'
@@ -113,7 +134,7 @@ def _explain(
         where = " and ".join(locate((*path, name)) for name in both)
         return refuse(where, "both are given", "one of the two", "remove one of them")
     if error.validator == "minProperties":
-        names = _resolved(schema, definitions).get("properties", {})
+        names = resolved(schema, definitions).get("properties", {})
         expected = f"at least one of {', '.join(names)}" if names else "at least one entry"
         return refuse(locate(path), "nothing is given", expected)
     near = difflib.get_close_matches(str(value), map(str, schema.get("enum", ())), n=1)
@@ -128,12 +149,19 @@ def _explain(
 def describe_rule(schema: Mapping, definitions: Mapping) -> str:
     """Return in words which values a schema allows.
 
+    Parameters
+    ----------
+    schema
+        A JSON schema.
+    definitions
+        What its references name, from ``$defs``.
+
     >>> describe_rule({"type": "number", "exclusiveMinimum": 0, "maximum": 1}, {})
-    'a number, above 0 and at most 1'
+    'a number above 0 and at most 1'
     >>> describe_rule({"type": "array", "minItems": 2, "items": {"type": "integer"}}, {})
     'a list of at least 2 entries, each a whole number'
     """
-    schema = _resolved(schema, definitions)
+    schema = resolved(schema, definitions)
     if "anyOf" in schema:
         return ", or ".join(describe_rule(choice, definitions) for choice in schema["anyOf"])
     if "enum" in schema:
@@ -142,15 +170,16 @@ def describe_rule(schema: Mapping, definitions: Mapping) -> str:
     if kind == "array":
         return f"a list of {_count(schema)}, each {describe_rule(schema['items'], definitions)}"
     if kind == "object":
-        return "a mapping with keys of " + ", ".join(schema.get("properties", {}))
+        keys = ", ".join(schema.get("properties", {}))
+        return f"a mapping with keys of {keys}" if keys else "a mapping"
     limits = {
         "exclusiveMinimum": "above {}",
-        "minimum": "at least {}",
+        "minimum": "of at least {}",
         "maximum": "at most {}",
-        "multipleOf": "a multiple of {}",
+        "multipleOf": "divisible by {}",
     }
     ranges = [text.format(schema[name]) for name, text in limits.items() if name in schema]
-    return ", ".join([_WORDS.get(kind, f"a {kind}"), *([" and ".join(ranges)] if ranges else [])])
+    return " ".join([_WORDS.get(kind, f"a {kind}"), *([" and ".join(ranges)] if ranges else [])])
 
 
 def _count(schema: Mapping) -> str:
@@ -163,7 +192,17 @@ def _count(schema: Mapping) -> str:
 
 
 def to_declared_types(value: Any, schema: Mapping, definitions: Mapping) -> Any:
-    """Return a value with the number types of its schema: 1 and 1.0 then mean, and record, one."""
+    """Return a value with the number types of its schema, so that 1 and 1.0 are recorded equally.
+
+    Parameters
+    ----------
+    value
+        A plain value.
+    schema
+        Its JSON schema.
+    definitions
+        What references name, from ``$defs``.
+    """
     return _convert(value, schema, definitions, is_text=False)
 
 
@@ -172,6 +211,15 @@ def from_text(value: Any, schema: Mapping, definitions: Mapping) -> Any:
 
     Text with commas becomes a list where a list is allowed; text that cannot be converted stays.
 
+    Parameters
+    ----------
+    value
+        A plain value.
+    schema
+        Its JSON schema.
+    definitions
+        What references name, from ``$defs``.
+
     >>> from_text({"a": "2", "b": "2"}, {"properties": {"a": {"type": "number"}}}, {})
     {'a': 2.0, 'b': '2'}
     """
@@ -179,9 +227,9 @@ def from_text(value: Any, schema: Mapping, definitions: Mapping) -> Any:
 
 
 def _convert(value: Any, schema: Mapping, definitions: Mapping, *, is_text: bool) -> Any:
-    schema = _resolved(schema, definitions)
+    schema = resolved(schema, definitions)
     choices = schema.get("anyOf", [schema])
-    for choice in (_resolved(choice, definitions) for choice in choices):
+    for choice in (resolved(choice, definitions) for choice in choices):
         kind = choice.get("type")
         if isinstance(value, dict):
             known, others = choice.get("properties", {}), choice.get("additionalProperties")
@@ -214,7 +262,16 @@ def _number(text: str, kind: Any) -> Any:
     return text
 
 
-def _resolved(schema: Mapping, definitions: Mapping) -> Mapping:
+def resolved(schema: Mapping, definitions: Mapping) -> Mapping:
+    """Return a schema with its reference to a definition filled in.
+
+    Parameters
+    ----------
+    schema
+        A JSON schema.
+    definitions
+        What references name, from ``$defs``.
+    """
     if "$ref" not in schema:
         return schema
     return {**definitions[str(schema["$ref"]).rpartition("/")[2]], **schema}

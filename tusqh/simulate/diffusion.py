@@ -25,9 +25,9 @@ from tusqh.errors import SimulationError
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.progress import Report
+from tusqh.settings.simulation import DIFFUSIVITY, Simulation
 from tusqh.simulate.operators import Operators, assemble
 from tusqh.simulate.release import release
-from tusqh.simulate.settings import DIFFUSIVITY, Simulation
 from tusqh.simulate.units import amount_unit, concentration_unit, simulated_length
 
 #: Largest accepted relative change of the total amount.

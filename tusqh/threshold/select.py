@@ -17,7 +17,8 @@ from tusqh.antialias.resolve import build_mesh
 from tusqh.errors import TopologyError
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.meshes.jacobians import element_volumes
-from tusqh.threshold.goals import Target, describe, distances, is_met, matches
+from tusqh.settings.goal import Goal, Target
+from tusqh.threshold.goals import distances, is_met, matches
 from tusqh.threshold.plateaus import BETTI, list_reachable, merge_intervals
 from tusqh.topology.betti_numbers import BettiNumbers
 from tusqh.topology.curves import betti_curves
@@ -85,10 +86,7 @@ def choose_threshold(
     predicted: pd.DataFrame,
     *,
     pairs: pd.DataFrame | None = None,
-    threshold: float | None = None,
-    target: Target | None = None,
-    persistence: float | None = None,
-    volume: str | None = None,
+    goal: Goal | None = None,
     name: str = "model",
 ) -> tuple[Selection, pd.DataFrame]:
     """Return the threshold that a configuration asks for, and all candidates.
@@ -100,16 +98,9 @@ def choose_threshold(
     predicted
         Plateaus with predicted Betti numbers, see `tusqh.threshold.plateaus.predict_plateaus`.
     pairs
-        Persistence pairs; needed for `persistence`.
-    threshold
-        Use this one; 0.5 when nothing is asked for.
-    target
-        Wanted Betti numbers.
-    persistence
-        Keep only features that live over at least this range of thresholds: by a threshold at
-        which no others live or, where there is none, by removing and filling exactly those.
-    volume
-        ``"match"``: as close as possible to the winding-number volume.
+        Persistence pairs; needed where the goal is a persistence.
+    goal
+        How the threshold is chosen; None: 1/2.
     name
         The model, for messages.
 
@@ -125,15 +116,17 @@ def choose_threshold(
     TopologyError
         Nothing gives what is wanted; the message lists what is reachable.
     """
-    if target is not None:
-        return _by_target(cell_sets, predicted, target, name)
-    if persistence is not None:
+    goal = goal or Goal()
+    if goal.target is not None:
+        return _by_target(cell_sets, predicted, goal.target, name)
+    if goal.persistence is not None:
         if pairs is None:
-            raise ValueError("`persistence` needs the persistence pairs")
-        return _by_persistence(cell_sets, predicted, pairs, persistence, name)
-    if volume is not None:
+            raise ValueError("a goal of persistence needs the persistence pairs")
+        return _by_persistence(cell_sets, predicted, pairs, goal.persistence, name)
+    if goal.volume is not None:
         return _by_volume(cell_sets, predicted, name)
-    return _fixed(cell_sets, predicted, 0.5 if threshold is None else threshold, name)
+    assert goal.threshold is not None  # `Goal` fills it in.
+    return _fixed(cell_sets, predicted, goal.threshold, name)
 
 
 def rank_candidates(predicted: pd.DataFrame, is_wanted: pd.Series) -> pd.DataFrame:
@@ -165,17 +158,17 @@ def _by_target(
     if chosen is not None:
         row, cells = chosen
         reason = (
-            f"number {row['rank']} of {len(candidates)} intervals with {describe(target)}: "
+            f"number {row['rank']} of {len(candidates)} intervals with {target}: "
             f"{row['lower']:.4g} < t <= {row['upper']:.4g}"
         )
-        return _selection(cell_sets, predicted, row, cells, describe(target), reason), candidates
+        return _selection(cell_sets, predicted, row, cells, str(target), reason), candidates
     shown = predicted[predicted["cells"] > 0]
     nearest = "none"
     if len(shown):
         row = shown.iloc[int(distances(shown, target).argmin())]
-        nearest = ", ".join(f"{key} = {row[key]:.0f}" for key in sorted(target))
+        nearest = ", ".join(f"{key} = {row[key]:.0f}" for key in target.given())
     raise TopologyError(
-        f"no threshold gives {describe(target)}",
+        f"no threshold gives {target}",
         where=name,
         expected="Betti numbers that some threshold reaches:\n" + list_reachable(predicted),
         remedy=f"ask for one of these (nearest: {nearest}), or change the grid, or the criteria "
@@ -202,7 +195,7 @@ def _by_persistence(
     short = count_alive(pairs[pairs["persistence"] < persistence], thresholds)
     is_wanted = (short.sum(axis=1) == 0) & (predicted["cells"] > 0).to_numpy()
     candidates = rank_candidates(predicted, pd.Series(is_wanted))
-    chosen = _first_verified(cell_sets, candidates, {}, name)
+    chosen = _first_verified(cell_sets, candidates, Target(), name)
     if chosen is not None:
         row, cells = chosen
         reason = (
@@ -230,7 +223,7 @@ def _by_persistence(
         if (
             cells.kept.any()
             and cells.predicted == expected
-            and _is_verified(cells, cut_sets, {}, name)
+            and _is_verified(cells, cut_sets, Target(), name)
         ):
             candidates.loc[[k], "status"] = CHOSEN
             n_removed = cells.n_removed
@@ -264,7 +257,7 @@ def _by_volume(
         cells = cell_sets.at(row["threshold"])
         mesh = build_mesh(cells, fractions.grid, name=name).mesh
         errors.append(float(element_volumes(mesh.points, mesh.cells).sum()) / wanted - 1)
-        if not _is_verified(cells, cell_sets, {}, name):
+        if not _is_verified(cells, cell_sets, Target(), name):
             candidates.loc[[k], "status"] = DISAGREES
     candidates["volume_error"] = errors
     best = int(np.where(candidates["status"] != DISAGREES, np.abs(errors), np.inf).argmin())
@@ -348,7 +341,7 @@ def _selection(
     without = ""
     if len(cells.features):
         untouched = (predicted["removed"] + predicted["filled"] == 0) & matches(
-            predicted, cells.predicted._asdict()
+            predicted, Target(**cells.predicted._asdict())
         )
         without = "; ".join(
             f"{interval.lower:.4g} < t <= {interval.upper:.4g}"

@@ -4,13 +4,14 @@ from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 
-from tusqh.config import load_config
 from tusqh.errors import TusqhError
 from tusqh.geometry.packaged import PACKAGE
 from tusqh.readers.formats import dimension_of, find_format
 from provenance.claims import load_claims
 from provenance.code import code_fingerprint, list_code
 from tusqh.quality.system_libraries import describe_missing
+from tusqh.settings.load import load_config
+from tusqh.settings.section import to_plain
 from studies.results_page import picture_name
 
 BASE = Path(workflow.basedir)
@@ -46,8 +47,8 @@ EXPORTS = ["mesh.mesh", "mesh.msh", "mesh.exo", "mesh.inp"]
 try:
     SETTINGS = load_config(
         [Path(path) for path in workflow.configfiles],
-        BASE / "workflow/schemas/config.schema.yaml",
         config,
+        given=workflow.config_settings.config,
     )
     CLAIMS = load_claims(
         BASE / "workflow/claims.yaml", BASE / "workflow/schemas/claims.schema.yaml"
@@ -58,13 +59,13 @@ except TusqhError as error:
 if describe_missing():
     logger.warning(describe_missing())
 
-MODELS = SETTINGS["models"]
-GEOMETRY = {name: model["geometry"] for name, model in MODELS.items()}
+MODELS = SETTINGS.models
+GEOMETRY = {name: model.geometry for name, model in MODELS.items()}
 DIMENSION = {name: dimension_of(geometry) for name, geometry in GEOMETRY.items()}
 SOLIDS = [name for name, dimension in DIMENSION.items() if dimension == 3]
-SWEEP = {2: SETTINGS["sweep"], 3: SETTINGS["sweep_3d"]}
-STUDY = SETTINGS["study"]
-SNAPSHOTS = sorted(SETTINGS["snapshots"])
+SWEEP = {2: list(SETTINGS.sweep), 3: list(SETTINGS.sweep_3d)}
+STUDY = SETTINGS.study.to_dict()
+SNAPSHOTS = sorted(SETTINGS.snapshots)
 SNAPSHOT_FILES = [f"concentration_{step:05d}.vtu" for step in SNAPSHOTS]
 
 wildcard_constraints:
@@ -83,24 +84,26 @@ onstart:
         list_code(path, base=BASE, folder=Path("results/provenance/code"))
 
 
-def of_model(*keys):
-    """Return a function that gives a rule those settings of its model that are set."""
+def settings_of(name):
+    """Return a function that gives a rule a section or a key of its model, as plain values."""
 
     def settings(wildcards):
-        return {key: MODELS[wildcards.model][key] for key in keys if key in MODELS[wildcards.model]}
+        model = MODELS[wildcards.model]
+        owner = model if hasattr(model, name) else model.settings
+        return to_plain(getattr(owner, name))
 
     return settings
 
 
 def geometry_of(wildcards):
     """Return the geometry file of a model, none where it lies inside an installed package."""
-    geometry = MODELS[wildcards.model]["geometry"]
+    geometry = GEOMETRY[wildcards.model]
     return [] if geometry.startswith(PACKAGE) else geometry
 
 
 def reader_of(wildcards):
     """Return the fingerprint of the module that reads a model's format."""
-    reader = find_format(MODELS[wildcards.model]["geometry"]).module
+    reader = find_format(GEOMETRY[wildcards.model]).module
     return code_fingerprint(f"tusqh/readers/{reader}.py", base=BASE)
 
 

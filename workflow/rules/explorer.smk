@@ -22,11 +22,9 @@ rule explorer:
     params:
         code=code_of("explorer"),
         page=assets_fingerprint(),
-        source=of_model("geometry", "unit"),
-        settings=of_model(
-            *("image", "grid", "window", "samples", "domain", "rule", "orientation"),
-            *("mixed_pinches", "bridges", "components", "holes", "voids"),
-        ),
+        geometry=settings_of("geometry"),
+        unit=settings_of("unit"),
+        settings=settings_of("settings"),
     log:
         "results/{model}/logs/explorer.log",
     conda:

@@ -8,8 +8,9 @@ rule figure_thresholds:
         record_how="results/provenance/{model}/figure_thresholds.how.json",
     params:
         code=code_of("figure_thresholds"),
-        policy=of_model("mixed_pinches", "bridges", "components", "holes", "voids"),
-        drawing=of_model("panels", "unit"),
+        policy=settings_of("policy"),
+        panels=settings_of("panels"),
+        unit=settings_of("unit"),
     log:
         "results/{model}/logs/figure_thresholds.log",
     conda:
@@ -66,7 +67,7 @@ rule figure_field:
         record_how="results/provenance/{model}/figure_field.how.json",
     params:
         code=code_of("figure_field"),
-        drawing=of_model("unit"),
+        unit=settings_of("unit"),
     log:
         "results/{model}/logs/figure_field.log",
     conda:
@@ -86,7 +87,7 @@ rule figure_antialias:
         record_how="results/provenance/{model}/figure_antialias.how.json",
     params:
         code=code_of("figure_antialias"),
-        drawing=of_model("unit"),
+        unit=settings_of("unit"),
     log:
         "results/{model}/logs/figure_antialias.log",
     conda:
@@ -105,7 +106,7 @@ rule figure_contaminant:
         record_how="results/provenance/{model}/figure_contaminant.how.json",
     params:
         code=code_of("figure_contaminant"),
-        drawing=of_model("unit"),
+        unit=settings_of("unit"),
     log:
         "results/{model}/logs/figure_contaminant.log",
     conda:

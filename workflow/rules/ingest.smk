@@ -9,7 +9,8 @@ rule ingest:
     params:
         code=code_of("ingest"),
         reader=reader_of,
-        source=of_model("geometry", "image"),
+        source=settings_of("geometry"),
+        image=settings_of("image"),
     log:
         "results/{model}/logs/ingest.log",
     conda:

@@ -37,7 +37,7 @@ for dimension in (2, 3):
             model=any_of(dimension),
         params:
             code=code_of("sweep"),
-            policy=of_model("mixed_pinches", "bridges", "components", "holes", "voids"),
+            policy=settings_of("policy"),
             thresholds=SWEEP[dimension],
         log:
             "results/{model}/logs/sweep.log",

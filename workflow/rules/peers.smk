@@ -13,7 +13,7 @@ rule peer:
         model=any_of(3),
     params:
         code=code_of("peer"),
-        sampling=of_model("rule"),
+        sampling=settings_of("sampling"),
         seconds=STUDY["seconds"],
     log:
         "results/{model}/logs/peer_{peer}.log",

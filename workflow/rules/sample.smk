@@ -7,8 +7,9 @@ rule sample:
         record_how="results/provenance/{model}/sample.how.json",
     params:
         code=code_of("sample"),
-        grid=of_model("grid", "window"),
-        sampling=of_model("samples", "domain", "rule", "orientation", "sampler", "tolerance"),
+        grid=settings_of("grid"),
+        window=settings_of("window"),
+        sampling=settings_of("sampling"),
     log:
         "results/{model}/logs/sample.log",
     conda:

@@ -9,7 +9,8 @@ rule simulate:
         record_how="results/provenance/{model}/simulate.how.json",
     params:
         code=code_of("simulate"),
-        model=of_model("simulation", "unit"),
+        simulation=settings_of("simulation"),
+        unit=settings_of("unit"),
         steps=SNAPSHOTS,
     log:
         "results/{model}/logs/simulate.log",

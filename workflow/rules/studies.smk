@@ -75,9 +75,9 @@ for dimension in (2, 3):
             code=code_of("placements"),
             placements=STUDY["placements"],
             cells=STUDY[f"cells_{dimension}d"],
-            window=of_model("window"),
-            sampling=of_model("domain", "rule", "orientation"),
-            wanted=of_model("target"),
+            window=settings_of("window"),
+            sampling=settings_of("sampling"),
+            goal=settings_of("goal"),
         log:
             "results/{model}/logs/placements.log",
         conda:

@@ -30,8 +30,8 @@ rule select:
         record_how="results/provenance/{model}/select.how.json",
     params:
         code=code_of("select"),
-        wanted=of_model("threshold", "target", "persistence", "volume"),
-        policy=of_model("mixed_pinches", "bridges", "components", "holes", "voids"),
+        goal=settings_of("goal"),
+        policy=settings_of("policy"),
     log:
         "results/{model}/logs/select.log",
     conda:

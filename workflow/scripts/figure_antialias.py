@@ -12,6 +12,6 @@ with recorded(snakemake) as log:
         load_fractions(Path(snakemake.input.fractions)),
         read_vtu(Path(snakemake.input.mesh), name=snakemake.wildcards.model),
         threshold=json.loads(Path(snakemake.input.selection).read_text())["threshold"],
-        unit=snakemake.params.drawing["unit"],
+        unit=snakemake.params.unit,
     )
     style.save(figure, Path(snakemake.output.figure))

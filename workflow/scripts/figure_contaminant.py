@@ -16,6 +16,6 @@ with recorded(snakemake) as log:
         [field for _, _, field in snapshots],
         pd.read_csv(snakemake.input.table),
         name=snakemake.wildcards.model,
-        unit=snakemake.params.drawing["unit"],
+        unit=snakemake.params.unit,
     )
     style.save(figure, Path(snakemake.output.figure))

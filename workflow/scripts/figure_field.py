@@ -11,6 +11,6 @@ with recorded(snakemake) as log:
         load_fractions(Path(snakemake.input.fractions)),
         load_geometry(Path(snakemake.input.geometry)),
         name=snakemake.wildcards.model,
-        unit=snakemake.params.drawing["unit"],
+        unit=snakemake.params.unit,
     )
     style.save(figure, Path(snakemake.output.figure))

@@ -13,8 +13,8 @@ with recorded(snakemake) as log:
     figure = draw_thresholds(
         CellSets(load_fractions(Path(snakemake.input.fractions)), policy),
         load_geometry(Path(snakemake.input.geometry)),
-        snakemake.params.drawing["panels"],
+        snakemake.params.panels,
         name=snakemake.wildcards.model,
-        unit=snakemake.params.drawing["unit"],
+        unit=snakemake.params.unit,
     )
     style.save(figure, Path(snakemake.output.figure))

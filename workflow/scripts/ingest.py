@@ -6,8 +6,7 @@ from tusqh.pipeline.ingest import describe_geometry, ingest
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
-    source = snakemake.params.source
-    geometry = ingest(source["geometry"], image=source.get("image"))
+    geometry = ingest(snakemake.params.source, image=snakemake.params.image)
     defects = describe_geometry(geometry)
     log.info("%s: %d %s", geometry.name, defects["count"].iloc[0], defects["defect"].iloc[0])
     write_geometry(Path(snakemake.output.geometry), geometry)

@@ -8,6 +8,7 @@ from studies.peers import run_peer
 from tusqh.geometry.canonical import load_geometry
 from tusqh.sampling.io import load_fractions
 from tusqh.settings.policy import Policy
+from tusqh.settings.sampling import Sampling
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
@@ -18,7 +19,7 @@ with recorded(snakemake) as log:
         load_fractions(Path(snakemake.input.fractions)),
         Policy.from_dict(selection["policy"]),
         threshold=selection["threshold"],
-        is_clamped=snakemake.params.sampling.get("rule") == "clamped",
+        is_clamped=Sampling.from_dict(snakemake.params.sampling).rule == "clamped",
         seconds=snakemake.params.seconds,
         name=snakemake.wildcards.model,
     )

@@ -11,13 +11,17 @@ from studies.orientation import (
 )
 from tusqh.geometry.canonical import load_geometry
 from tusqh.progress import log_progress
-from tusqh.sampling.layout import to_window
+from tusqh.settings.goal import Goal
+from tusqh.settings.grid import Window
 from tusqh.settings.policy import Policy
+from tusqh.settings.sampling import Sampling
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
     selection = json.loads(Path(snakemake.input.selection).read_text())
-    target = snakemake.params.wanted.get("target")
+    target = Goal.from_dict(snakemake.params.goal).target
+    window = snakemake.params.window
+    sampling = Sampling.from_dict(snakemake.params.sampling)
     name = snakemake.wildcards.model
     table = vary_placement(
         load_geometry(Path(snakemake.input.geometry)),
@@ -26,8 +30,10 @@ with recorded(snakemake) as log:
         snakemake.params.cells,
         count=snakemake.params.placements,
         progress=log_progress("placements"),
-        window=to_window(snakemake.params.window.get("window")),
-        **snakemake.params.sampling,
+        window=window and Window.from_dict(window).box,
+        domain=sampling.domain,
+        rule=sampling.rule,
+        orientation=sampling.orientation,
     )
     stability = map_stability(table, name=name, target=target)
     write_csv(Path(snakemake.output.placements), table)

@@ -4,9 +4,17 @@ from provenance.record import recorded
 from tusqh.geometry.canonical import load_geometry
 from tusqh.pipeline.sample import sample
 from tusqh.sampling.io import save_fractions
+from tusqh.settings.grid import Grid, Window
+from tusqh.settings.sampling import Sampling
 
 with recorded(snakemake) as log:
     geometry = load_geometry(Path(snakemake.input.geometry))
-    fractions = sample(geometry, **snakemake.params.grid, **snakemake.params.sampling)
+    window = snakemake.params.window
+    fractions = sample(
+        geometry,
+        grid=Grid.from_dict(snakemake.params.grid),
+        sampling=Sampling.from_dict(snakemake.params.sampling),
+        window=window and Window.from_dict(window),
+    )
     log.info("%s cells of size %g", fractions.grid.label, fractions.grid.cell_size)
     save_fractions(Path(snakemake.output.fractions), fractions)

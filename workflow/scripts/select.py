@@ -8,6 +8,8 @@ from tusqh.atomic import write_text
 from tusqh.hashing import canonical_json
 from tusqh.pipeline.select import select
 from tusqh.sampling.io import load_fractions
+from tusqh.settings.goal import Goal
+from tusqh.settings.policy import Policy
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
@@ -15,8 +17,8 @@ with recorded(snakemake) as log:
         load_fractions(Path(snakemake.input.fractions)),
         pd.read_csv(snakemake.input.curves),
         pd.read_csv(snakemake.input.diagram),
-        policy=snakemake.params.policy,
-        wanted=snakemake.params.wanted,
+        policy=Policy.from_dict(snakemake.params.policy),
+        goal=Goal.from_dict(snakemake.params.goal),
         name=snakemake.wildcards.model,
     )
     selection, topologies = choice.selection, choice.topologies

@@ -1,0 +1,11 @@
+"""`python -m tusqh.settings`: write the files that are made from the settings again."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tusqh.settings.tables import write_all
+
+if __name__ == "__main__":
+    for path in write_all(Path.cwd()):
+        print(f"written: {path}")

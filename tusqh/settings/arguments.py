@@ -1,0 +1,306 @@
+"""The settings as arguments of `tusqh.mesh` and as options of the command line."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import inspect
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Literal, ParamSpec, TypeVar, get_args, get_origin
+
+from tusqh.settings.field import Entry, entries_of
+from tusqh.settings.schema import inner_type, schema_of
+from tusqh.settings.section import Section
+from tusqh.settings.validate import Locate, Path, from_text, refuse, refuse_unknown
+
+P = ParamSpec("P")
+R = TypeVar("R")
+S = TypeVar("S", bound=Section)
+
+
+@dataclasses.dataclass(frozen=True)
+class Argument:
+    """A setting, or a section given as one value, as an argument or an option.
+
+    Parameters
+    ----------
+    name
+        Its name as an identifier, such as ``min_cells``.
+    path
+        The keys that lead to it in a block of the configuration.
+    attributes
+        The attributes that lead to it in the typed settings.
+    entry
+        The field.
+    title
+        Heading of its section.
+    owner
+        What the setting is about where its own name does not say it, such as ``components``.
+    """
+
+    name: str
+    path: Path
+    attributes: tuple[str, ...]
+    entry: Entry
+    title: str
+    owner: str
+
+    @property
+    def kind(self) -> Any:
+        """The type of its value, without None."""
+        return inner_type(self.entry.hint)
+
+    @property
+    def is_section(self) -> bool:
+        """Whether a whole section is given as one value."""
+        return _is_section(self.kind)
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """The words that are allowed; empty where others than words are."""
+        return get_args(self.kind) if get_origin(self.kind) is Literal else ()
+
+    @property
+    def is_flag(self) -> bool:
+        """Whether the option takes no value, since there is only one."""
+        return len(self.choices) == 1
+
+    @property
+    def option(self) -> str:
+        """Its name on the command line."""
+        words = f"{self.choices[0]}_{self.name}" if self.is_flag else self.name
+        return "--" + words.replace("_", "-")
+
+    def value_in(self, settings: Section) -> Any:
+        """Return its value in typed settings.
+
+        Parameters
+        ----------
+        settings
+            The section that the argument is in.
+        """
+        return functools.reduce(getattr, self.attributes, settings)
+
+
+def arguments_of(section: type[Section]) -> dict[str, Argument]:
+    """Return the arguments that `tusqh.mesh` has for a section, by name.
+
+    Parameters
+    ----------
+    section
+        The section.
+
+    >>> from tusqh.settings.model import Settings
+    >>> list(arguments_of(Settings))[:3]
+    ['cells', 'cell_size', 'samples']
+    """
+    found = _arguments(section, lambda entry: entry.setting.is_inline or entry.setting.is_spread)
+    return {argument.name: argument for argument in found}
+
+
+def options_of(section: type[Section]) -> list[Argument]:
+    """Return the options that the command line has for a section.
+
+    Parameters
+    ----------
+    section
+        The section.
+
+    >>> from tusqh.settings.voxels import Voxels
+    >>> [argument.option for argument in options_of(Voxels)]
+    ['--voxel-size', '--empty', '--full']
+    """
+    return list(_arguments(section, lambda entry: not entry.setting.argument))
+
+
+def from_arguments(section: type[S], values: Mapping[str, Any]) -> S:
+    """Return the section that arguments of a Python call describe, checked.
+
+    Parameters
+    ----------
+    section
+        The section.
+    values
+        The arguments by name; None where one is not given.
+
+    Raises
+    ------
+    ConfigError
+        Naming the argument, what was found and what is allowed.
+
+    Examples
+    --------
+    >>> from tusqh.settings.model import Settings
+    >>> settings = from_arguments(Settings, {"cells": 32, "betti": (1, None, {"max": 2})})
+    >>> settings.grid.cells, str(settings.goal.target)
+    (32, 'betti_0 = 1, betti_2 <= 2')
+    """
+    arguments = arguments_of(section)
+    block: dict[str, Any] = {}
+    for name, value in values.items():
+        if value is None:
+            continue
+        argument = arguments[name]
+        if argument.entry.setting.argument:
+            value = _read(argument.kind.from_argument, value, f"argument {name}")
+        _put(block, argument.path, value)
+    names = {argument.path: f"argument {name}" for name, argument in arguments.items()}
+    return section.from_dict(block, locate=_locate_by(names))
+
+
+def from_options(section: type[S], values: Mapping[str, str | bool | None]) -> S:
+    """Return the section that options of the command line describe, checked.
+
+    Parameters
+    ----------
+    section
+        The section.
+    values
+        The text of each option, by the names of `options_of`; None or False where one is not
+        given.
+
+    Raises
+    ------
+    ConfigError
+        Naming the option, what was found and what is allowed.
+
+    Examples
+    --------
+    >>> from tusqh.settings.model import Settings
+    >>> from_options(Settings, {"cells": "60,79", "volume": True}).grid.cells
+    (60, 79)
+    """
+    options = {argument.name: argument for argument in options_of(section)}
+    kind: type = section
+    schema = schema_of(kind)
+    block: dict[str, Any] = {}
+    for name, text in values.items():
+        if text is None or text is False:
+            continue
+        argument, value = options[name], text
+        if argument.is_flag:
+            value = argument.choices[0]
+        elif argument.is_section:
+            value = _read(argument.kind.from_option, text, f"option {argument.option}")
+        _put(block, argument.path, value)
+    names = {argument.path: f"option {argument.option}" for argument in options.values()}
+    block = from_text(block, schema, schema.get("$defs", {}))
+    return section.from_dict(block, locate=_locate_by(names))
+
+
+def to_words(settings: Section, *, without: tuple[str, ...] = ()) -> list[str]:
+    """Return the words of the command line for settings that are not the defaults.
+
+    Parameters
+    ----------
+    settings
+        The settings.
+    without
+        Fields of the settings that are left out.
+
+    Examples
+    --------
+    >>> from tusqh.settings.model import Settings
+    >>> to_words(Settings.from_dict({"rule": "clamped", "components": {"min_cells": 4}}))
+    ['--rule', 'clamped', '--min-cells', '4']
+    """
+    words: list[str] = []
+    defaults = type(settings)()
+    for argument in options_of(type(settings)):
+        value = argument.value_in(settings)
+        is_default = argument.attributes[0] in without or value == argument.value_in(defaults)
+        if value is None or is_default:
+            continue
+        text = value.to_option() if argument.is_section else _to_text(value)
+        if argument.is_flag:
+            words.append(argument.option)
+        elif text.startswith("-"):
+            words.append(f"{argument.option}={text}")
+        else:
+            words += [argument.option, text]
+    return words
+
+
+def explains_unknown_arguments(function: Callable[P, R]) -> Callable[P, R]:
+    """Return a function that names the nearest argument when it is called with an unknown one.
+
+    Parameters
+    ----------
+    function
+        The function; its argument `source` is not a setting.
+
+    Raises
+    ------
+    ConfigError
+        From the function, when an argument is unknown.
+    """
+    names = [name for name in inspect.signature(function).parameters if name != "source"]
+
+    @functools.wraps(function)
+    def checked(*args: P.args, **kwargs: P.kwargs) -> R:
+        for name in kwargs:
+            if name != "source" and name not in names:
+                where = f"tusqh.{function.__name__}"
+                raise refuse_unknown(where, name, names, kind="argument")
+        return function(*args, **kwargs)
+
+    return checked
+
+
+def _arguments(
+    section: type,
+    is_opened: Callable[[Entry], bool],
+    above: Argument | None = None,
+    prefix: str = "",
+) -> Iterator[Argument]:
+    """Yield the settings of a section, and of the sections within it that are opened."""
+    path, attributes = (above.path, above.attributes) if above else ((), ())
+    for entry in entries_of(section):
+        about = entry.setting
+        kind = inner_type(entry.hint)
+        name = (prefix + (about.argument or entry.name)).replace("-", "_")
+        step: Path = () if about.is_inline else (entry.name,)
+        title = getattr(section, "title", "") or getattr(kind, "title", "")
+        outer = above.entry.setting if above else about
+        owner = above.entry.name if above and not (outer.is_inline or outer.is_spread) else ""
+        found = Argument(name, (*path, *step), (*attributes, entry.name), entry, title, owner)
+        if _is_section(kind) and is_opened(entry):
+            yield from _arguments(kind, is_opened, found, prefix + about.prefix)
+        else:
+            yield found
+
+
+def _is_section(kind: Any) -> bool:
+    return isinstance(kind, type) and issubclass(kind, Section)
+
+
+def _read(convert: Callable[[Any], Any], value: Any, where: str) -> Any:
+    """Return a value converted to a mapping; what cannot be is refused."""
+    try:
+        return convert(value)
+    except ValueError as expected:
+        raise refuse(where, f"found {value!r}", str(expected)) from None
+
+
+def _put(block: dict[str, Any], path: Path, value: Any) -> None:
+    for key in path[:-1]:
+        block = block.setdefault(str(key), {})
+    block[str(path[-1])] = value
+
+
+def _locate_by(names: Mapping[Path, str]) -> Locate:
+    """Return a function that says as which option or argument the value at a path was given."""
+
+    def locate(path: Path) -> str:
+        for k in range(len(path), 0, -1):
+            if path[:k] in names:
+                return ", ".join([names[path[:k]], *map(str, path[k:])])
+        return ".".join(map(str, path)) or "settings"
+
+    return locate
+
+
+def _to_text(value: Any) -> str:
+    if isinstance(value, tuple):
+        return ",".join(map(_to_text, value))
+    return repr(value).removesuffix(".0") if isinstance(value, float) else str(value)
