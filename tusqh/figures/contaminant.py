@@ -26,7 +26,7 @@ def draw_contaminant(
     name: str,
     unit: str,
 ) -> Figure:
-    """Draw one panel per snapshot, on one logarithmic colour scale.
+    """Return a figure with one panel per snapshot, on one logarithmic colour scale.
 
     Parameters
     ----------

@@ -17,12 +17,18 @@ from tusqh.meshes.volume_mesh import BRIDGE, CONNECTING, SEPARATING, VolumeMesh
 #: Colours by `VolumeMesh.kind`.
 _COLOURS = {SEPARATING: style.SEPARATING, CONNECTING: style.CONNECTING, BRIDGE: style.BRIDGE}
 
-#: Where the camera stands, seen from the middle of the model.
+#: Direction from the centre of the model to the camera.
 VIEW = (1.0, -1.6, 0.9)
 
 
 def surface_of(mesh: VolumeMesh) -> Any:
-    """Return the boundary of a hex mesh as pyvista surface with its colours in ``rgb``."""
+    """Return the boundary of a hex mesh as a pyvista surface with its colours in ``rgb``.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    """
     import pyvista
     from matplotlib.colors import to_rgb
 
@@ -35,7 +41,13 @@ def surface_of(mesh: VolumeMesh) -> Any:
 
 
 def polydata_of(geometry: Soup | Image) -> Any:
-    """Return a soup, or the faces between full and empty voxels of an image, as surface."""
+    """Return a soup, or the faces between full and empty voxels, as a pyvista surface.
+
+    Parameters
+    ----------
+    geometry
+        The soup or image.
+    """
     import pyvista
 
     if isinstance(geometry, Image):
@@ -53,7 +65,19 @@ def polydata_of(geometry: Soup | Image) -> Any:
 
 
 def field_on(points: FloatArray, cells: IntArray, field: FloatArray, origin: FloatArray) -> Any:
-    """Return the half of a hex mesh behind a plane at `origin`, with a field at its points."""
+    """Return the half of a hex mesh behind a plane, with a field at its points.
+
+    Parameters
+    ----------
+    points
+        Coordinates, shape (n, 3).
+    cells
+        Hexes, shape (m, 8).
+    field
+        Values at the points, shape (n,).
+    origin
+        A point of the plane, shape (3,); the plane is normal to y.
+    """
     import pyvista
 
     grid = pyvista.UnstructuredGrid({12: cells}, points)
@@ -63,7 +87,7 @@ def field_on(points: FloatArray, cells: IntArray, field: FloatArray, origin: Flo
 
 
 def render(surface: Any, box: Any, *, size: tuple[int, int] = (640, 560), **look: Any) -> Any:
-    """Return a picture of a surface, shape (height, width, 3), uint8; white where it is empty.
+    """Return a picture of a surface, shape (height, width, 3), uint8; with a white background.
 
     Parameters
     ----------
@@ -87,7 +111,7 @@ def render(surface: Any, box: Any, *, size: tuple[int, int] = (640, 560), **look
     towards = np.array(VIEW) / np.linalg.norm(VIEW)
     right = np.cross((0.0, 0.0, 1.0), towards)
     right /= np.linalg.norm(right)
-    # Just as large as the box, seen from there, needs.
+    # The smallest view that contains the box.
     corners = np.array(list(itertools.product(*np.stack([low, high], axis=1)))) - centre
     wide, tall = (np.abs(corners @ axis).max() for axis in (right, np.cross(towards, right)))
     plotter.camera_position = [centre + 3 * extent * towards, centre, (0, 0, 1)]
@@ -100,7 +124,17 @@ def render(surface: Any, box: Any, *, size: tuple[int, int] = (640, 560), **look
 
 
 def show(axes: Axes, image: Any, title: str) -> None:
-    """Put a picture into a panel without axes."""
+    """Put a picture into a panel without axes.
+
+    Parameters
+    ----------
+    axes
+        The panel.
+    image
+        The picture, shape (height, width, 3).
+    title
+        The title of the panel.
+    """
     axes.imshow(image)
     axes.set_axis_off()
     axes.set_title(title, fontsize=9)

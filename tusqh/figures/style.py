@@ -47,7 +47,22 @@ _WITHOUT_TIME_AND_VERSION: dict[str, dict[str, Any]] = {
 
 
 def new_figure(n_rows: int, n_columns: int, *, width: float, height: float) -> tuple[Figure, Any]:
-    """Return a figure of a size in inches with its axes, in the project's style."""
+    """Return a figure with its axes, in the project's style.
+
+    Parameters
+    ----------
+    n_rows, n_columns
+        Number of panels.
+    width, height
+        Size in inches.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+        The figure.
+    axes : numpy.ndarray
+        Its axes, shape (n_rows, n_columns).
+    """
     sns.set_theme(style="ticks", context="paper", palette="colorblind")
     return plt.subplots(
         n_rows, n_columns, figsize=(width, height), layout="constrained", squeeze=False
@@ -55,15 +70,39 @@ def new_figure(n_rows: int, n_columns: int, *, width: float, height: float) -> t
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG, SVG or PDF, the same bytes every time; whole or not at all."""
+    """Write a figure as PNG, SVG or PDF: complete or not at all, the same bytes every time.
+
+    Parameters
+    ----------
+    figure
+        The figure; it is closed.
+    path
+        The file.
+    """
     with replacing(path) as temporary, mpl.rc_context({"svg.hashsalt": "tusqh"}):
         figure.savefig(temporary, dpi=_DPI, metadata=_WITHOUT_TIME_AND_VERSION[path.suffix])
     plt.close(figure)
 
 
 def length_scale(extent: float, unit: str) -> tuple[float, str]:
-    """Return by what to divide lengths, and the unit to write on the axes.
+    """Return the unit for the axes of a drawing.
 
+    Parameters
+    ----------
+    extent
+        Longest side of the drawing, in the model's unit.
+    unit
+        The model's unit of length.
+
+    Returns
+    -------
+    scale : float
+        Lengths are divided by this.
+    unit : str
+        The unit that they are in then.
+
+    Examples
+    --------
     >>> length_scale(250_000.0, "m")
     (1000.0, 'km')
     """
@@ -71,8 +110,15 @@ def length_scale(extent: float, unit: str) -> tuple[float, str]:
 
 
 def duration(seconds: float) -> str:
-    """Return a time in the unit that people would use.
+    """Return a time as text, in a unit that suits its size.
 
+    Parameters
+    ----------
+    seconds
+        The time, in s.
+
+    Examples
+    --------
     >>> duration(172800.0), duration(7200.0), duration(30.0), duration(0.0), duration(2.5e-4)
     ('2 d', '2 h', '30 s', '0 s', '0.25 ms')
     """
@@ -87,8 +133,15 @@ def duration(seconds: float) -> str:
 
 
 def unit_text(unit: str) -> str:
-    """Return a unit of the tables with its exponent raised.
+    """Return a unit as figures show it, with a raised exponent.
 
+    Parameters
+    ----------
+    unit
+        A unit as in the tables, such as ``J/m^3``.
+
+    Examples
+    --------
     >>> unit_text("J/m^3"), unit_text("s")
     ('J/m$^3$', 's')
     """
@@ -97,8 +150,15 @@ def unit_text(unit: str) -> str:
 
 
 def is_wide(lower: Any, upper: Any) -> bool:
-    """Return whether a box is so wide and flat that its panels belong below one another.
+    """Return whether a box is so wide that its panels belong below one another.
 
+    Parameters
+    ----------
+    lower, upper
+        Corners of the box, shape (2,).
+
+    Examples
+    --------
     >>> is_wide((0, 0), (80, 22)), is_wide((0, 0), (80, 80))
     (True, False)
     """
@@ -109,7 +169,21 @@ def is_wide(lower: Any, upper: Any) -> bool:
 def draw_polygons(
     axes: Axes, points: FloatArray, cells: IntArray, *, colour: Any, line_width: float = 0.0
 ) -> None:
-    """Fill elements, given by their corners, with one colour or one each."""
+    """Fill elements with one colour, or one each.
+
+    Parameters
+    ----------
+    axes
+        Where to draw.
+    points
+        Coordinates, shape (n, 2).
+    cells
+        Corners of the elements, shape (m, k).
+    colour
+        One colour, or m colours.
+    line_width
+        Width of the edges in points; 0 for none.
+    """
     # Without an edge of their own colour, neighbours show a white seam between them.
     edge, width = ("#406070", line_width) if line_width else ("face", 0.3)
     axes.add_collection(
@@ -118,13 +192,33 @@ def draw_polygons(
 
 
 def draw_outline(axes: Axes, outline: Outline, scale: float) -> None:
-    """Draw the geometry as thin grey lines."""
+    """Draw the geometry as thin grey lines.
+
+    Parameters
+    ----------
+    axes
+        Where to draw.
+    outline
+        The geometry.
+    scale
+        Coordinates are divided by this.
+    """
     lines = outline.points[outline.segments] / scale
     axes.add_collection(LineCollection(list(lines), colors=OUTLINE, linewidths=0.4, zorder=3))
 
 
 def frame(axes: Axes, lower: Any, upper: Any, unit: str) -> None:
-    """Show a box at true proportions, with units on the axes."""
+    """Show a box at true proportions, with units on the axes.
+
+    Parameters
+    ----------
+    axes
+        Where to draw.
+    lower, upper
+        Corners of the box, shape (2,).
+    unit
+        Unit of length.
+    """
     axes.set_xlim(lower[0], upper[0])
     axes.set_ylim(lower[1], upper[1])
     axes.set_aspect("equal")

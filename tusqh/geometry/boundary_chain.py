@@ -71,7 +71,24 @@ def boundary_edges(triangles: IntArray, n_points: int) -> tuple[IntArray, IntArr
 def cancel_edges(
     edges: IntArray, multiplicity: IntArray, n_points: int
 ) -> tuple[IntArray, IntArray]:
-    """Return directed edges with opposite and equal ones added up, as `boundary_edges` does."""
+    """Return directed edges with opposite and equal ones added up.
+
+    Parameters
+    ----------
+    edges
+        Start and end of every edge, shape (m, 2).
+    multiplicity
+        How often each edge counts, shape (m,).
+    n_points
+        Number of points.
+
+    Returns
+    -------
+    edges : numpy.ndarray
+        Distinct edges from the lower to the higher point, shape (k, 2).
+    multiplicity : numpy.ndarray
+        Sum over the edges in this direction less that over opposite ones, shape (k,), never zero.
+    """
     lower, upper, net = _cancel(edges, multiplicity, n_points)
     return np.stack([lower, upper], axis=1), net
 
@@ -79,11 +96,20 @@ def cancel_edges(
 def boundary_points(segments: IntArray, n_points: int) -> tuple[IntArray, IntArray]:
     """Return the signed end points of directed segments over matched points.
 
+    Parameters
+    ----------
+    segments
+        Start and end of every segment, shape (m, 2).
+    n_points
+        Number of points.
+
     Returns
     -------
-    ends, multiplicity
-        Numbers of the points, ascending, shape (k,), and how often each is an end less how often
-        it is a start, shape (k,), never zero; all of them add up to zero.
+    ends : numpy.ndarray
+        Numbers of the points, ascending, shape (k,).
+    multiplicity : numpy.ndarray
+        How often each is an end less how often it is a start, shape (k,), never zero; the sum over
+        all points is zero.
 
     Examples
     --------

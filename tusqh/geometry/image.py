@@ -1,4 +1,4 @@
-"""The image: voxels in space that say how much of each is material."""
+"""The image: voxels in space, each with a volume fraction of material."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["Image"]
 
 @dataclass(frozen=True)
 class Image:
-    """Cubic voxels of constant volume fraction, as they were measured; nothing is filtered.
+    """Cubic voxels of constant volume fraction, exactly as measured; nothing is filtered.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ class Image:
     voxel_size
         Edge length of a voxel, in the units of the model.
     empty, full
-        Grey values of fraction 0 and of fraction 1; in between it is linear, beyond it is cut.
+        Grey values of fraction 0 and of fraction 1; linear between them, clipped beyond them.
         ``empty > full`` makes dark voxels the material.
     origin
         Lowest corner of voxel (0, 0, 0), in the units of the model.
@@ -35,8 +35,8 @@ class Image:
     Raises
     ------
     GeometryError
-        Not three axes, no voxel, values that are no finite real numbers, a voxel size that is
-        not positive, or equal `empty` and `full`.
+        There are not three axes, or no voxel; a value is not a finite real number; the voxel size
+        is not positive; or `empty` and `full` are equal.
 
     Examples
     --------
@@ -56,30 +56,30 @@ class Image:
         if self.voxels.ndim != 3 or self.voxels.size == 0:
             raise _wrong(
                 f"the image has shape {self.voxels.shape}",
-                self.name,
-                "three axes (x, y, z) with at least one voxel each",
-                "give a stack of grey images, not one slice and no colours",
+                name=self.name,
+                expected="three axes (x, y, z) with at least one voxel each",
+                remedy="give a stack of grey images, not a single slice, and without colours",
             )
         if self.voxels.dtype.kind not in "buif" or not np.isfinite(self.voxels).all():
             raise _wrong(
                 f"voxels of type {self.voxels.dtype} are not all finite real numbers",
-                self.name,
-                "grey values",
-                "replace NaN and infinite voxels by what they should be",
+                name=self.name,
+                expected="grey values",
+                remedy="replace NaN and infinite voxels by finite values",
             )
         if not (np.isfinite(self.voxel_size) and self.voxel_size > 0):
             raise _wrong(
                 f"the voxel size is {self.voxel_size}",
-                self.name,
-                "a positive length",
-                "give `voxel_size` in the units of the model",
+                name=self.name,
+                expected="a positive length",
+                remedy="give `voxel_size` in the units of the model",
             )
         if not (np.isfinite([self.empty, self.full]).all() and self.empty != self.full):
             raise _wrong(
                 f"`empty` is {self.empty} and `full` is {self.full}",
-                self.name,
-                "two different grey values",
-                "give the grey values of no material and of nothing but material",
+                name=self.name,
+                expected="two different grey values",
+                remedy="give the grey values of voxels without material and full of material",
             )
 
     @property
@@ -89,12 +89,24 @@ class Image:
         return n_x, n_y, n_z
 
     def bounding_box(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Return the lowest and the highest corner of the image."""
+        """Return the lowest and the highest corner of the image.
+
+        Returns
+        -------
+        low, high : tuple of float
+            Coordinates of the corners.
+        """
         upper = np.add(self.origin, np.multiply(self.shape, self.voxel_size))
         return tuple(float(x) for x in self.origin), tuple(upper.tolist())
 
     def fractions(self, part: Any = ...) -> FloatArray:
-        """Return the volume fractions of the voxels, or of a part of them, in [0, 1]."""
+        """Return the volume fractions of the voxels, in [0, 1].
+
+        Parameters
+        ----------
+        part
+            An index into `voxels`, to get the fractions of some of them.
+        """
         values = self.voxels[part].astype(np.float64)
         return np.asarray(np.clip((values - self.empty) / (self.full - self.empty), 0.0, 1.0))
 
@@ -108,15 +120,26 @@ class Image:
         full: float | None = None,
         name: str = "image",
     ) -> Image:
-        """Return the image of grey values, with what is usual for their type.
+        """Return the image of grey values, with defaults for `empty` and `full` by their type.
 
-        Truth values and floats are fractions already.  Of integers 0 is empty and the greatest
-        value in the image is full.
+        Booleans and floats are fractions already.  For integers, 0 is empty and the largest value
+        in the image is full.
+
+        Parameters
+        ----------
+        voxels
+            Grey values, shape (nx, ny, nz).
+        voxel_size
+            Edge length of a voxel, in the units of the model.
+        empty, full
+            Grey values of fraction 0 and 1; None for the defaults.
+        name
+            Where it came from, for messages.
 
         Raises
         ------
         GeometryError
-            As `Image`; or there are floats beyond 0 and 1 and nothing says what they mean.
+            See `Image`; or there are floats outside [0, 1] and neither `empty` nor `full` is given.
 
         Examples
         --------
@@ -137,13 +160,13 @@ class Image:
         if not is_known and (voxels.min() < 0 or voxels.max() > greatest):
             raise _wrong(
                 f"the grey values go from {voxels.min():g} to {voxels.max():g}",
-                name,
-                "fractions between 0 and 1, or `empty` and `full`",
-                "give the grey values of no material (`empty`) and of nothing but material "
-                "(`full`)",
+                name=name,
+                expected="fractions between 0 and 1, or `empty` and `full`",
+                remedy="give the grey values of fraction 0 (`empty`) and of fraction 1 (`full`)",
             )
         return image
 
 
-def _wrong(found: str, name: str, expected: str, remedy: str) -> GeometryError:
+def _wrong(found: str, *, name: str, expected: str, remedy: str) -> GeometryError:
+    """Return the error for arrays and numbers that are not an image."""
     return GeometryError(found, where=name, expected=expected, remedy=remedy)

@@ -14,7 +14,7 @@ __all__ = ["Outline"]
 
 @dataclass(frozen=True)
 class Outline:
-    """Directed line segments in the plane, as they were read: nothing merged, closed or dropped.
+    """Directed line segments in the plane, as read: nothing is merged, closed or dropped.
 
     Parameters
     ----------
@@ -72,14 +72,27 @@ class Outline:
         return len(self.segments)
 
     def bounding_box(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Return the lowest and the highest corner of the points in use."""
+        """Return the lowest and the highest corner of the box around the segments.
+
+        Returns
+        -------
+        low, high : tuple of float
+            Coordinates of the corners.
+        """
         used = self.points[np.unique(self.segments)]
         low, high = used.min(axis=0), used.max(axis=0)
         return (float(low[0]), float(low[1])), (float(high[0]), float(high[1]))
 
     @classmethod
     def from_chains(cls, chains: list[FloatArray], *, name: str = "outline") -> Outline:
-        """Return the outline of polylines, each an array of shape (k, 2) with k >= 2 points.
+        """Return the outline of polylines.
+
+        Parameters
+        ----------
+        chains
+            Points of every polyline, shape (k, 2).
+        name
+            Where it came from, for messages.
 
         Examples
         --------

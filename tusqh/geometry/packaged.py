@@ -7,12 +7,17 @@ from pathlib import Path
 
 from tusqh.errors import GeometryError
 
-#: A geometry that begins so names a file inside an installed package: ``package:NAME/FILE``.
+#: A geometry with this prefix names a file inside an installed package: ``package:NAME/FILE``.
 PACKAGE = "package:"
 
 
 def locate(geometry: str) -> Path:
-    """Return the path of a configuration entry, inside an installed package or not.
+    """Return the path of a geometry, which may be inside an installed package.
+
+    Parameters
+    ----------
+    geometry
+        A path, or ``package:NAME/FILE``.
 
     Raises
     ------

@@ -43,7 +43,12 @@ class SegmentPairs:
 
 
 def rounding_of(points: FloatArray) -> float:
-    """Return the tolerance, in model units, that coordinates of this size call for.
+    """Return the tolerance, in model units, that coordinates of this size need.
+
+    Parameters
+    ----------
+    points
+        Coordinates, shape (n, 2).
 
     Examples
     --------

@@ -19,7 +19,7 @@ Part = tuple[FloatArray, IntArray]
 
 @dataclass(frozen=True)
 class Soup:
-    """Directed triangles in space, as they were read: nothing merged, closed or dropped.
+    """Directed triangles in space, as read: nothing is merged, closed or dropped.
 
     Parameters
     ----------
@@ -88,12 +88,26 @@ class Soup:
             )
 
     def bounding_box(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Return the lowest and the highest corner of the points in use."""
+        """Return the lowest and the highest corner of the box around the triangles.
+
+        Returns
+        -------
+        low, high : tuple of float
+            Coordinates of the corners.
+        """
         used = self.points[np.unique(self.triangles)]
         return tuple(used.min(axis=0).tolist()), tuple(used.max(axis=0).tolist())
 
     def matched(self) -> tuple[FloatArray, IntArray]:
-        """Return points and triangles with points of equal coordinates taken as one."""
+        """Return points and triangles with points of equal coordinates taken as one.
+
+        Returns
+        -------
+        points : numpy.ndarray
+            Distinct points, shape (n, 3).
+        triangles : numpy.ndarray
+            Their numbers at the corners of every triangle, shape (m, 3).
+        """
         points, number = match_points(self.points)
         return points, number[self.triangles]
 

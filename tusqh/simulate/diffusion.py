@@ -128,7 +128,13 @@ def simulate_diffusion(
 
 
 def lump(mass: csr_matrix) -> FloatArray:
-    """Return the row sums of a mass matrix, shape (n,)."""
+    """Return the row sums of a mass matrix, shape (n,).
+
+    Parameters
+    ----------
+    mass
+        The matrix, shape (n, n).
+    """
     return np.asarray(mass.sum(axis=1)).ravel()
 
 

@@ -47,7 +47,13 @@ def simulated_length(unit: str) -> tuple[float, str]:
 
 
 def amount_unit(dim: int) -> str:
-    """Return the unit of the released amount: kg of a contaminant in 2D, J of heat in 3D."""
+    """Return the unit of the released amount: kg of a contaminant in 2D, J of heat in 3D.
+
+    Parameters
+    ----------
+    dim
+        Dimension of the mesh, 2 or 3.
+    """
     return "kg" if dim == 2 else "J"
 
 
