@@ -18,14 +18,17 @@ rule all:
         "results/tables/summary.md",
         "results/tables/verification.csv",
         "results/tables/claims.csv",
-        figures_of_all_models(),
-        expand("results/{model}/export/{file}", model=MODELS, file=EXPORTS),
-        expand("results/{model}/simulation/concentration.pvd", model=MODELS),
-        expand("results/{model}/defects.csv", model=MODELS),
-        expand("results/{model}/explorer.html", model=MODELS),
+        [figure for model in MODELS for figure in figures_of(model)],
+        *files_of_all_models(*EXPORTS, "simulation", "defects", "explorer").values(),
         "results/report/index.html",
         paper_targets(),
         "results/ro-crate-metadata.json",
+
+
+# The models alone, without the paper's studies and the pages over all models.
+rule models:
+    input:
+        *files_of_all_models("mesh", "certificate", "verdict", "explorer", *EXPORTS).values(),
 
 
 include: "workflow/rules/ingest.smk"
@@ -45,3 +48,4 @@ include: "workflow/rules/results.smk"
 include: "workflow/rules/provenance_inputs.smk"
 include: "workflow/rules/provenance.smk"
 include: "workflow/rules/slow_tests.smk"
+include: "workflow/rules/steps.smk"

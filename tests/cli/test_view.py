@@ -100,7 +100,7 @@ def test_the_page_of_the_workflow_is_opened_while_it_is_up_to_date(run, tmp_path
     ("arguments", "message"),
     [
         (["nothing.svg"], "nothing.svg"),
-        (["."], "no geometry.vtp, fractions.npz"),
+        (["."], "geometry.vtp, fractions.npz"),
         (["plate.svg", "-o", "plate.svg/page.html"], "cannot be written"),
         (["plate.svg", "--cells", "8", "--betti", "7,0"], "betti_0 = 7"),
     ],

@@ -13,7 +13,8 @@ from tusqh.errors import ConfigError
 from tusqh.explorer import assets
 from tusqh.explorer.command import Command, mesh_command
 from tusqh.explorer.page import make_page, to_script_json
-from tusqh.explorer.subject import FILES, read_subject, stands_on_y
+from tusqh.explorer.subject import FILES_READ, read_subject, stands_on_y
+from tusqh.files import path_of
 from tusqh.settings.model import Settings
 
 
@@ -129,7 +130,7 @@ def test_a_folder_without_results_says_what_is_missing(tmp_path):
     (tmp_path / "mesh.vtu").touch()
     with pytest.raises(ConfigError) as error:
         read_subject(tmp_path)
-    assert "no geometry.vtp, fractions.npz" in str(error.value)
+    assert "geometry.vtp, fractions.npz" in str(error.value)
     named = set(re.findall(r"[\w-]+\.\w+", str(error.value).splitlines()[0]))
-    assert named >= set(FILES) - {"mesh.vtu"}
+    assert named >= {path_of(name, tmp_path).name for name in FILES_READ} - {"mesh.vtu"}
     assert "mesh.vtu" not in named

@@ -4,12 +4,13 @@ import hashlib
 import json
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 from urllib.parse import unquote
 
 import pandas as pd
 import pytest
 
-from tusqh.overview.model import ModelFiles, read_model
+from tusqh.overview.model import read_model
 from tusqh.overview.page import MAX_ROWS, render_overview
 
 NASTY = '<script>alert("1")</script>&\'"'
@@ -37,8 +38,8 @@ class Parts(HTMLParser):
         self.text.append(data)
 
 
-def write_model(folder: Path, name: str, *, holds: bool = True, n_rows: int = 3) -> ModelFiles:
-    """Write the files of a model, everything in them that users choose being nasty."""
+def write_model(folder: Path, name: str, *, holds: bool = True, n_rows: int = 3) -> dict[str, Any]:
+    """Write the files of a model in which every text that users choose is nasty."""
     folder.mkdir(parents=True)
     certificate = {
         "model": name,
@@ -65,14 +66,12 @@ def write_model(folder: Path, name: str, *, holds: bool = True, n_rows: int = 3)
     for title, table in tables.items():
         pd.DataFrame(table).to_csv(folder / f"{title}.csv", index=False)
     (folder / "a picture#1.png").write_bytes(b"")
-    return ModelFiles(
-        certificate=folder / "certificate.json",
-        facts=folder / "facts.json",
-        geometry=str(geometry),
-        figures=[folder / "a picture#1.png"],
-        links={"mesh & more": folder / "facts.json"},
-        **{title: folder / f"{title}.csv" for title in tables},
-    )
+    return {
+        "folder": folder,
+        "geometry": str(geometry),
+        "figures": [folder / "a picture#1.png"],
+        "links": {"mesh & more": folder / "facts.json"},
+    }
 
 
 @pytest.fixture
@@ -87,7 +86,7 @@ def overview(tmp_path):
         pd.DataFrame({"model": [NASTY], "volume": [0.123456789]}).to_csv(summary, index=False)
         text = render_overview(
             page,
-            [read_model(of_model, register) for of_model in files],
+            [read_model(**of_model, register=register) for of_model in files],
             tables={"summary": summary},
             figures={"all pinches": results / "pinches.png"},
             captions={"pinches": f"caption {NASTY}"},

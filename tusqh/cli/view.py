@@ -66,10 +66,11 @@ def _from_folder(folder: Path, output: Path | None, unit: str) -> Path:
     """Return the page of a result folder: the workflow's, unless its inputs changed since."""
     from tusqh.atomic import write_text
     from tusqh.explorer.page import make_page
-    from tusqh.explorer.subject import FILES, read_subject
+    from tusqh.explorer.subject import FILES_READ, read_subject
+    from tusqh.files import path_of
 
     made = folder / "explorer.html"
-    files = [folder / file for file in FILES]
+    files = [path_of(name, folder) for name in FILES_READ]
     if output is None and made.is_file() and all(file.is_file() for file in files):
         newest = max(file.stat().st_mtime for file in files)
         if newest <= made.stat().st_mtime:

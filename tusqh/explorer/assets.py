@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from importlib import resources
 
 #: The scripts of the page in the order in which they are read.
@@ -11,7 +10,9 @@ SCRIPTS = (
     *("curves", "diagram", "tables", "main"),
 )
 
-TEMPLATE, STYLE = "page/template.html", "page/explorer.css"
+#: The folder of the page's own files; a change in any of them makes the pages again.
+PAGE = "page"
+TEMPLATE, STYLE = f"{PAGE}/template.html", f"{PAGE}/explorer.css"
 THREE, THREE_LICENCE = "vendor/three.iife.min.js", "vendor/three.LICENSE"
 
 
@@ -26,16 +27,10 @@ def read_asset(name: str) -> str:
 
 def read_script() -> str:
     """Return the scripts of the page as one."""
-    return "\n".join(read_asset(f"page/{name}.js") for name in SCRIPTS)
+    return "\n".join(read_asset(f"{PAGE}/{name}.js") for name in SCRIPTS)
 
 
 def read_three() -> str:
     """Return three.js with its licence."""
     licence = read_asset(THREE_LICENCE)
     return f"/*! three.js\n{licence}*/\n{read_asset(THREE)}"
-
-
-def assets_fingerprint() -> str:
-    """Return the SHA-256 of all of it: pages are made anew when it changes."""
-    text = "\0".join([read_asset(TEMPLATE), read_asset(STYLE), read_three(), read_script()])
-    return hashlib.sha256(text.encode()).hexdigest()

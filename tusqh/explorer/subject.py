@@ -1,4 +1,4 @@
-"""Everything about one model that its explorer shows."""
+"""Everything that the explorer shows of one model."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
 from tusqh.errors import ConfigError
 from tusqh.explorer.command import Command, mesh_command
+from tusqh.files import path_of
 from tusqh.geometry.canonical import load_geometry
 from tusqh.geometry.kinds import Geometry
 from tusqh.meshes.export import read_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
-from tusqh.pipeline.result import Result
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.io import load_fractions
 from tusqh.settings.grid import Grid, Window
@@ -25,16 +25,19 @@ from tusqh.settings.policy import Policy
 from tusqh.settings.sampling import Sampling
 from tusqh.threshold.select import Selection
 
-#: Tables that the page shows as they are.
-TABLES = ("defects", "elements", "verdict", "features", "bridges")
+if TYPE_CHECKING:
+    from tusqh.pipeline.result import Result
+
+#: Tables that the page shows without change, by their names in `tusqh.files`.
+TABLES_SHOWN = ("defects", "elements", "verdict", "features", "bridges")
 
 #: Suffixes of formats whose convention is that y points up.
 _Y_UP = (".obj", ".glb", ".gltf")
 
-#: Files of a result folder that an explorer is made of.
-FILES = (
-    *("geometry.vtp", "fractions.npz", "curves.csv", "topologies.csv", "diagram.csv"),
-    *("selection.json", "mesh.vtu", *(f"{table}.csv" for table in TABLES)),
+#: Files of a model's results that the explorer reads, by their names in `tusqh.files`.
+FILES_READ = (
+    *("geometry", "fractions", "curves", "topologies", "diagram", "selection", "mesh"),
+    *TABLES_SHOWN,
 )
 
 
@@ -67,7 +70,7 @@ class Subject:
     mesh
         The mesh at it.
     tables
-        `TABLES` by name.
+        The tables named in `TABLES_SHOWN`, by name.
     """
 
     name: str
@@ -144,18 +147,19 @@ def read_subject(
     ConfigError
         Files are missing from the folder.
     """
-    missing = [file for file in FILES if not (folder / file).is_file()]
+    paths = {name: path_of(name, folder) for name in FILES_READ}
+    missing = [path.name for path in paths.values() if not path.is_file()]
     if missing:
         raise ConfigError(
-            f"no {', '.join(missing)} in it",
+            f"{', '.join(missing)} missing",
             where=str(folder),
-            expected="the result folder of a model, with " + ", ".join(FILES),
+            expected="the results of a model, with " + ", ".join(p.name for p in paths.values()),
             remedy="make it with the workflow, or with tusqh mesh GEOMETRY --results FOLDER",
         )
     name = folder.resolve().name
-    chosen: dict[str, Any] = json.loads((folder / "selection.json").read_text(encoding="utf-8"))
-    fractions = load_fractions(folder / "fractions.npz")
-    shape = load_geometry(folder / "geometry.vtp")
+    chosen: dict[str, Any] = json.loads(paths["selection"].read_text(encoding="utf-8"))
+    fractions = load_fractions(paths["fractions"])
+    shape = load_geometry(paths["geometry"])
     file = geometry or shape.name
     command = mesh_command(
         file, _known(chosen, fractions) if settings is None else settings, name=name
@@ -169,12 +173,12 @@ def read_subject(
         command=command,
         geometry=shape,
         fractions=fractions,
-        curves=pd.read_csv(folder / "curves.csv"),
-        topologies=pd.read_csv(folder / "topologies.csv"),
-        diagram=pd.read_csv(folder / "diagram.csv"),
+        curves=pd.read_csv(paths["curves"]),
+        topologies=pd.read_csv(paths["topologies"]),
+        diagram=pd.read_csv(paths["diagram"]),
         selection=Selection.from_dict(chosen),
-        mesh=read_vtu(folder / "mesh.vtu", name=name),
-        tables={table: pd.read_csv(folder / f"{table}.csv") for table in TABLES},
+        mesh=read_vtu(paths["mesh"], name=name),
+        tables={table: pd.read_csv(paths[table]) for table in TABLES_SHOWN},
     )
 
 

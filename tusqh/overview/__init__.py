@@ -1,1 +1,1 @@
-"""The overview: one page over all models, which opens from disk and links to all else."""
+"""The overview: one page over all models, which opens from disk and links to all other results."""

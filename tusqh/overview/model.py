@@ -1,51 +1,41 @@
-"""What the overview says about one model, read from the files of its folder."""
+"""The text and tables that the overview shows of one model, read from its results."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from tusqh.files import path_of
 from tusqh.geometry.packaged import locate
 from tusqh.hashing import hash_file
-from tusqh.pipeline.result import count_pinches
 from tusqh.quality.verdict import overall
 
 #: Columns of the register that say where a geometry comes from.
 _ORIGIN = ("origin", "licence", "url", "known_defects")
 
-Rows = list[dict[str, Any]]
+#: Files of a model that the overview reads, by their names in `tusqh.files`.
+FILES_READ = ("certificate", "facts", "defects", "candidates", "verdict", "verification")
 
-
-@dataclass(frozen=True)
-class ModelFiles:
-    """The files of a model.
-
-    Parameters
-    ----------
-    geometry
-        The geometry, as the configuration names it.
-    certificate, facts, defects, candidates, verdict, verification
-        What the steps of the workflow wrote.
-    figures
-        Pictures, in the order in which they are shown.
-    links
-        Other files to link to, by title.
-    """
-
-    geometry: str
-    certificate: Path
-    facts: Path
-    defects: Path
-    candidates: Path
-    verdict: Path
-    verification: Path
-    figures: Sequence[Path] = ()
-    links: Mapping[str, Path] | None = None
+#: Titles of the files of a model that the overview links to, by their names in `tusqh.files`.
+LINK_TITLES = {
+    "explorer": "explorer",
+    "mesh": "mesh (VTU)",
+    "export_mfem": "for MFEM",
+    "export_gmsh": "for Gmsh",
+    "export_exodus": "for Exodus",
+    "export_abaqus": "for Abaqus",
+    "certificate": "certificate",
+    "diagram": "persistence diagram",
+    "topologies": "all topologies",
+    "bridges": "bridges",
+    "features": "removed and filled",
+    "simulation": "simulation (ParaView)",
+}
 
 
 @dataclass(frozen=True)
@@ -55,17 +45,19 @@ class ModelEntry:
     Parameters
     ----------
     name
-        The model.
+        Name of the model.
     holds
-        Whether the mesh measures what was predicted at every threshold, and no check fails.
+        Whether the mesh has the predicted topology at every threshold and passes every check.
     lines
-        Wanted, predicted, chosen, measured and so on, by title.
+        Wanted, predicted, selected and measured topology, size and verdict, by title.
     source
         Where the geometry comes from: file, SHA-256, origin, licence.
     tables
         Defects, candidates, verification and verdict, by title.
-    figures, links
-        See `ModelFiles`.
+    figures
+        Pictures, in the order in which they are shown.
+    links
+        Other files to link to, by title.
     """
 
     name: str
@@ -73,23 +65,49 @@ class ModelEntry:
     lines: dict[str, str]
     source: dict[str, str]
     tables: dict[str, pd.DataFrame]
-    figures: Sequence[Path]
-    links: Mapping[str, Path]
+    figures: Sequence[Path] = ()
+    links: Mapping[str, Path] = field(default_factory=dict)
 
 
-def read_model(files: ModelFiles, register: pd.DataFrame | None = None) -> ModelEntry:
-    """Return what the overview says about a model.
+def read_model(
+    folder: Path,
+    *,
+    geometry: str,
+    figures: Sequence[Path] = (),
+    links: Mapping[str, Path] | None = None,
+    register: pd.DataFrame | None = None,
+) -> ModelEntry:
+    """Return what the overview shows of a model.
 
     Parameters
     ----------
-    files
-        The files of the model.
+    folder
+        Folder of the model's results, with the files named in `FILES_READ`.
+    geometry
+        The geometry, as the configuration names it.
+    figures
+        Pictures, in the order in which they are shown.
+    links
+        Other files to link to, by title; by default the files in `LINK_TITLES`.
     register
         The data register, where there is one.
+
+    Returns
+    -------
+    ModelEntry
+        Text and tables for the page.
+
+    Raises
+    ------
+    FileNotFoundError
+        A file named in `FILES_READ` is missing.
     """
-    certificate = json.loads(files.certificate.read_text("utf-8"))
-    facts = json.loads(files.facts.read_text("utf-8"))
-    verdict, verification = pd.read_csv(files.verdict), pd.read_csv(files.verification)
+    certificate = json.loads(path_of("certificate", folder).read_text("utf-8"))
+    facts = json.loads(path_of("facts", folder).read_text("utf-8"))
+    tables = {name: pd.read_csv(path_of(name, folder)) for name in FILES_READ[2:]}
+    verdict, verification = tables["verdict"], tables["verification"]
+    if links is None:
+        links = {title: path_of(name, folder) for name, title in LINK_TITLES.items()}
     chosen, measured = certificate["selection"], certificate["measured"]["euler"]
     n_holding = int(verification["holds"].sum())
     is_suitable = not (verdict["holds"] == "no").any()
@@ -101,7 +119,7 @@ def read_model(files: ModelFiles, register: pd.DataFrame | None = None) -> Model
         + chosen["reason"],
         "measured": f"Betti numbers {tuple(measured)}",
         "mesh": f"{facts['elements']:,} {kind} of {facts['grid']} cells, "
-        f"{count_pinches(facts['pinches'])}, volume "
+        f"{facts['pinches']:,} pinch{'' if facts['pinches'] == 1 else 'es'}, volume "
         f"{facts['volume'] / facts['winding_volume']:.4f} of the winding-number volume",
         "verdict": overall(verdict),
         "every threshold": f"{n_holding} of {len(verification)} as predicted",
@@ -110,22 +128,22 @@ def read_model(files: ModelFiles, register: pd.DataFrame | None = None) -> Model
         name=certificate["model"],
         holds=is_suitable and n_holding == len(verification) and bool(certificate["holds"]),
         lines=lines,
-        source=_describe_source(certificate, files.geometry, register),
+        source=_describe_source(certificate, geometry, register),
         tables={
-            "Defects of the geometry": pd.read_csv(files.defects),
-            "Intervals with what was wanted": pd.read_csv(files.candidates),
+            "Defects of the geometry": tables["defects"],
+            "Intervals with the wanted topology": tables["candidates"],
             "Predicted and measured at every threshold": verification,
             "Checks of the mesh": verdict,
         },
-        figures=files.figures,
-        links=files.links or {},
+        figures=figures,
+        links=links,
     )
 
 
 def _describe_source(
     certificate: dict[str, Any], geometry: str, register: pd.DataFrame | None
 ) -> dict[str, str]:
-    """Return where a model comes from, and the digests of what was made of it."""
+    """Return the origin of a model's geometry, and the digests of its fractions and mesh."""
     source = {"geometry": geometry, "SHA-256 of the geometry": hash_file(locate(geometry))}
     if register is not None:
         for row in register[register["model"] == certificate["model"]].to_dict("records"):

@@ -1,8 +1,7 @@
-"""The page itself: a template filled with tables and relative links, everything escaped."""
+"""The page of the overview: a template filled with escaped text, tables and relative links."""
 
 from __future__ import annotations
 
-import hashlib
 import math
 import os
 from collections.abc import Mapping, Sequence
@@ -33,7 +32,7 @@ def render_overview(
     Parameters
     ----------
     page
-        Where it will lie; links are relative to its folder.
+        Path that the page will have; links are relative to its folder.
     models
         The models, in the order in which they are shown.
     tables
@@ -41,7 +40,12 @@ def render_overview(
     figures
         Pictures over all models, by title.
     captions
-        What a picture shows, by its name without suffix.
+        Captions of pictures, by the file name without suffix.
+
+    Returns
+    -------
+    str
+        The page, which refers to nothing but files of the results.
     """
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
@@ -59,11 +63,6 @@ def render_overview(
         link=link,
         max_rows=MAX_ROWS,
     )
-
-
-def template_fingerprint() -> str:
-    """Return the SHA-256 of the template: the page is made anew when it changes."""
-    return hashlib.sha256(_read_template().encode()).hexdigest()
 
 
 def _read_template() -> str:

@@ -9,6 +9,7 @@ from typing import Any
 import pandas as pd
 
 from tusqh.atomic import write_text
+from tusqh.files import path_of
 from tusqh.geometry.canonical import write_geometry
 from tusqh.geometry.kinds import Geometry
 from tusqh.hashing import canonical_json
@@ -195,8 +196,8 @@ class Result:
         `tusqh check FOLDER/mesh.vtu` then recomputes the certificate.
         """
         folder = Path(folder)
-        write_geometry(folder / "geometry.vtp", self.geometry)
-        save_fractions(folder / "fractions.npz", self.fractions)
+        write_geometry(path_of("geometry", folder), self.geometry)
+        save_fractions(path_of("fractions", folder), self.fractions)
         tables = {
             "defects": self.defects,
             "diagram": self.diagram,
@@ -208,13 +209,7 @@ class Result:
             "verdict": self.judgement.verdict,
         }
         for name, table in tables.items():
-            write_csv(folder / f"{name}.csv", table)
-        write_text(folder / "selection.json", canonical_json(asdict(self.selection)))
-        self.built.write(
-            fractions=folder / "fractions.npz",
-            mesh=folder / "mesh.vtu",
-            certificate=folder / "certificate.json",
-            features=folder / "features.csv",
-            bridges=folder / "bridges.csv",
-            facts=folder / "facts.json",
-        )
+            write_csv(path_of(name, folder), table)
+        write_text(path_of("selection", folder), canonical_json(asdict(self.selection)))
+        written = ("fractions", "mesh", "certificate", "features", "bridges", "facts")
+        self.built.write(**{name: path_of(name, folder) for name in written})

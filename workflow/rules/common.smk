@@ -1,10 +1,21 @@
 # The validated configuration and the few functions that read it; no other file does.
 import os
+import sys
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 
+# The folder of this checkout, also when another workflow uses this one as a module.
+BASE = Path(os.fspath(workflow.current_basedir)).parents[1]
+# Scripts find the packages of the checkout, wherever Snakemake runs.
+if str(BASE) not in sys.path:
+    sys.path.insert(0, str(BASE))
+FOLDERS = [folder for folder in os.environ.get("PYTHONPATH", "").split(os.pathsep) if folder]
+if str(BASE) not in FOLDERS:
+    os.environ.update(PYTHONPATH=os.pathsep.join([str(BASE), *FOLDERS]))
+
 from tusqh.errors import TusqhError
+from tusqh.files import RESULT_FILES
 from tusqh.geometry.packaged import PACKAGE
 from tusqh.readers.formats import dimension_of, find_format
 from provenance.claims import load_claims
@@ -14,9 +25,6 @@ from tusqh.settings.load import load_config
 from tusqh.settings.section import to_plain
 from studies.results_page import picture_name
 
-BASE = Path(workflow.basedir)
-SCRIPTS = set()
-ENVIRONMENT = "../../environment.yml"
 FIGURES = {
     2: ["field", "thresholds", "diagram", "curves", "antialias", "contaminant"],
     3: ["panels", "diagram", "curves", "temperature"],
@@ -26,23 +34,9 @@ THEORY = expand(
     figure=["pinches", "pinches_in_series", "connecting_edges", "aliasing", "axis_gap"]
     + ["theorem_map", "theorem_windows", "theorem_space", "two_triangles", "wedge_islands"],
 ) + ["results/tables/theorem_contradictions.csv", "results/tables/gap_meshes.csv"]
-PAGE_LINKS = {
-    "explorer": "explorer.html",
-    "mesh (VTU)": "mesh.vtu",
-    "for MFEM": "export/mesh.mesh",
-    "for Gmsh": "export/mesh.msh",
-    "for Exodus": "export/mesh.exo",
-    "for Abaqus": "export/mesh.inp",
-    "certificate": "certificate.json",
-    "persistence diagram": "diagram.csv",
-    "all topologies": "topologies.csv",
-    "bridges": "bridges.csv",
-    "removed and filled": "features.csv",
-    "simulation (ParaView)": "simulation/concentration.pvd",
-}
 PAPER_MODELS = {"chesapeake", "bearings", "dragon"}
 PEERS = ["tusqh", "automesh", "pytetwild", "pyvista", "trimesh"]
-EXPORTS = ["mesh.mesh", "mesh.msh", "mesh.exo", "mesh.inp"]
+EXPORTS = ["export_mfem", "export_gmsh", "export_exodus", "export_abaqus"]
 
 try:
     SETTINGS = load_config(
@@ -66,22 +60,43 @@ SOLIDS = [name for name, dimension in DIMENSION.items() if dimension == 3]
 SWEEP = {2: list(SETTINGS.sweep), 3: list(SETTINGS.sweep_3d)}
 STUDY = SETTINGS.study.to_dict()
 SNAPSHOTS = sorted(SETTINGS.snapshots)
-SNAPSHOT_FILES = [f"concentration_{step:05d}.vtu" for step in SNAPSHOTS]
 
 wildcard_constraints:
     model="|".join(MODELS),
     peer="|".join(PEERS),
 
 
-def code_of(script):
-    """Return the fingerprint of a rule's script and of all the project code that it imports."""
-    SCRIPTS.add(f"workflow/scripts/{script}.py")
-    return code_fingerprint(f"workflow/scripts/{script}.py", base=BASE)
+def files(*names):
+    """Return files of a model by name, as `tusqh.files` lists them."""
+    return {name: f"results/{{model}}/{RESULT_FILES[name].path}" for name in names}
 
 
-onstart:
-    for path in sorted(SCRIPTS):
-        list_code(path, base=BASE, folder=Path("results/provenance/code"))
+def files_of_all_models(*names):
+    """Return files of all models by name, in the order of the models."""
+    return {name: expand(path, model=MODELS) for name, path in files(*names).items()}
+
+
+def shown(*names):
+    """Return files of a model by name, as outputs that Snakemake's report shows."""
+    return {
+        name: report(path, f"../report/{name}.rst", category="{model}")
+        for name, path in files(*names).items()
+    }
+
+
+def figure_of_model(name):
+    """Return a figure of a model, as an output that Snakemake's report shows."""
+    return report(f"results/{{model}}/figures/{name}.png", f"../report/{name}.rst", category="{model}")
+
+
+def sweep_meshes(dimension):
+    """Return the meshes of the sweep, one for each threshold of this dimension."""
+    return [f"results/{{model}}/sweep/{threshold}.vtu" for threshold in SWEEP[dimension]]
+
+
+def snapshots():
+    """Return the snapshots of the simulation."""
+    return [f"results/{{model}}/simulation/concentration_{step:05d}.vtu" for step in SNAPSHOTS]
 
 
 def settings_of(name):
@@ -95,8 +110,13 @@ def settings_of(name):
     return settings
 
 
+def cells_of_study(wildcards):
+    """Return the sizes of the grids on which a model is placed at random."""
+    return STUDY[f"cells_{DIMENSION[wildcards.model]}d"]
+
+
 def geometry_of(wildcards):
-    """Return the geometry file of a model, none where it lies inside an installed package."""
+    """Return the geometry file of a model, none where it is part of an installed package."""
     geometry = GEOMETRY[wildcards.model]
     return [] if geometry.startswith(PACKAGE) else geometry
 
@@ -108,7 +128,7 @@ def reader_of(wildcards):
 
 
 def source_of(path):
-    """Return a file of the workflow, relative to where it runs, so that records are the same."""
+    """Return a file of the workflow relative to the working folder, so that records agree."""
     return os.path.relpath(BASE / "workflow" / path)
 
 
@@ -117,13 +137,18 @@ def any_of(dimension):
     return "|".join(m for m, d in DIMENSION.items() if d == dimension) or "(?!)"
 
 
-def figures_of_all_models():
-    """Return the figures that every model has, by its dimension."""
-    return [
-        f"results/{model}/figures/{figure}.png"
-        for model, dimension in DIMENSION.items()
-        for figure in FIGURES[dimension]
-    ]
+def figures_of(model):
+    """Return the figures of a model, which depend on its dimension."""
+    return [f"results/{model}/figures/{figure}.png" for figure in FIGURES[DIMENSION[model]]]
+
+
+def record_of(step):
+    """Return the record of a step, without suffix, and its log: named after script and wildcards."""
+    others = [f"{{{wildcard}}}" for wildcard in sorted(step.wildcard_names - {"model"})]
+    name = "_".join([Path(step.script).stem, *others])
+    if "model" in step.wildcard_names:
+        return f"results/provenance/{{model}}/{name}", f"results/{{model}}/logs/{name}.log"
+    return f"results/provenance/{name}", f"results/tables/logs/{name}.log"
 
 
 def register_if_there():
@@ -133,7 +158,7 @@ def register_if_there():
 
 
 def captions():
-    """Return the texts of figures by name, as Snakemake's own report has them."""
+    """Return the captions of figures by name, as in Snakemake's own report."""
     files = sorted((BASE / "workflow/report").glob("*.rst"))
     return {path.stem: path.read_text("utf-8").strip() for path in files}
 

@@ -33,14 +33,6 @@ rule results_page:
     output:
         page="results/page/results.md",
         pictures=expand("results/page/images/results/{picture}", picture=PAGE_PICTURES),
-        record="results/provenance/results_page.json",
-        record_how="results/provenance/results_page.how.json",
-    params:
-        code=code_of("results_page"),
-    log:
-        "results/page/logs/results_page.log",
-    conda:
-        ENVIRONMENT
     script:
         "../scripts/results_page.py"
 
@@ -53,13 +45,5 @@ rule docs:
     output:
         page="docs/results.md",
         pictures=expand("docs/images/results/{picture}", picture=PAGE_PICTURES),
-        record="results/provenance/docs.json",
-        record_how="results/provenance/docs.how.json",
-    params:
-        code=code_of("docs"),
-    log:
-        "results/page/logs/docs.log",
-    conda:
-        ENVIRONMENT
     script:
         "../scripts/docs.py"

@@ -9,7 +9,7 @@ rule slow_tests:
     log:
         "results/tests/logs/slow.log",
     conda:
-        ENVIRONMENT
+        "../../environment.yml"
     threads: 2
     shell:
         "python -m pytest -v -m slow --junitxml {output} {params.tests} >{log} 2>&1"

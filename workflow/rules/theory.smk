@@ -9,14 +9,6 @@ rule pinch_catalogue:
         series_shapes="results/tables/pinch_series_shapes.csv",
         edges="results/tables/connecting_edges.csv",
         edges_shapes="results/tables/connecting_edges_shapes.csv",
-        record="results/provenance/pinch_catalogue.json",
-        record_how="results/provenance/pinch_catalogue.how.json",
-    params:
-        code=code_of("pinch_catalogue"),
-    log:
-        "results/tables/logs/pinch_catalogue.log",
-    conda:
-        ENVIRONMENT
     script:
         "../scripts/pinch_catalogue.py"
 
@@ -33,14 +25,6 @@ rule figure_pinches:
         catalogue=report("results/figures/pinches.png", "../report/pinches.rst", category="Theory"),
         series=report("results/figures/pinches_in_series.png", "../report/pinches_in_series.rst", category="Theory"),
         edges=report("results/figures/connecting_edges.png", "../report/connecting_edges.rst", category="Theory"),
-        record="results/provenance/figure_pinches.json",
-        record_how="results/provenance/figure_pinches.how.json",
-    params:
-        code=code_of("figure_pinches"),
-    log:
-        "results/figures/logs/pinches.log",
-    conda:
-        ENVIRONMENT
     script:
         "../scripts/figure_pinches.py"
 
@@ -51,15 +35,8 @@ rule aliasing:
         shapes="results/tables/aliasing_shapes.csv",
         axis_gap="results/tables/axis_gap.csv",
         axis_gap_shapes="results/tables/axis_gap_shapes.csv",
-        record="results/provenance/aliasing.json",
-        record_how="results/provenance/aliasing.how.json",
     params:
-        code=code_of("aliasing"),
         offsets=60,
-    log:
-        "results/tables/logs/aliasing.log",
-    conda:
-        ENVIRONMENT
     script:
         "../scripts/aliasing.py"
 
@@ -73,14 +50,6 @@ rule figure_aliasing:
     output:
         examples=report("results/figures/aliasing.png", "../report/aliasing.rst", category="Theory"),
         axis_gap=report("results/figures/axis_gap.png", "../report/axis_gap.rst", category="Theory"),
-        record="results/provenance/figure_aliasing.json",
-        record_how="results/provenance/figure_aliasing.how.json",
-    params:
-        code=code_of("figure_aliasing"),
-    log:
-        "results/figures/logs/aliasing.log",
-    conda:
-        ENVIRONMENT
     script:
         "../scripts/figure_aliasing.py"
 
@@ -93,17 +62,10 @@ rule theorem_plane:
         contradictions=report(
             "results/tables/theorem_contradictions.csv", "../report/theorem_contradictions.rst", category="Theory"
         ),
-        record="results/provenance/theorem_plane.json",
-        record_how="results/provenance/theorem_plane.how.json",
     params:
-        code=code_of("theorem_plane"),
         rotation_step=0.5,
         offsets=64,
         widths=[0.3, 1.5, 0.01],
-    log:
-        "results/tables/logs/theorem_plane.log",
-    conda:
-        ENVIRONMENT
     threads: 2
     script:
         "../scripts/theorem_plane.py"
@@ -114,17 +76,10 @@ rule theorem_space:
         orientations="results/tables/theorem_space_orientations.csv",
         sweep="results/tables/theorem_space_sweep.csv",
         windows=report("results/tables/theorem_space_windows.csv", "../report/theorem_windows.rst", category="Theory"),
-        record="results/provenance/theorem_space.json",
-        record_how="results/provenance/theorem_space.how.json",
     params:
-        code=code_of("theorem_space"),
         ratios=12,
         offsets=16,
         widths=[0.3, 2.1, 0.05],
-    log:
-        "results/tables/logs/theorem_space.log",
-    conda:
-        ENVIRONMENT
     threads: 2
     script:
         "../scripts/theorem_space.py"
@@ -133,17 +88,10 @@ rule theorem_space:
 rule gap_meshes:
     output:
         table=report("results/tables/gap_meshes.csv", "../report/gap_meshes.rst", category="Theory"),
-        record="results/provenance/gap_meshes.json",
-        record_how="results/provenance/gap_meshes.how.json",
     params:
-        code=code_of("gap_meshes"),
         trials=100,
         samples=[0, 2, 4, 8],
         seed=7,
-    log:
-        "results/tables/logs/gap_meshes.log",
-    conda:
-        ENVIRONMENT
     script:
         "../scripts/gap_meshes.py"
 
@@ -159,14 +107,6 @@ rule figure_theorem:
         map=report("results/figures/theorem_map.png", "../report/theorem_map.rst", category="Theory"),
         windows=report("results/figures/theorem_windows.png", "../report/theorem_ends.rst", category="Theory"),
         space=report("results/figures/theorem_space.png", "../report/theorem_space.rst", category="Theory"),
-        record="results/provenance/figure_theorem.json",
-        record_how="results/provenance/figure_theorem.how.json",
-    params:
-        code=code_of("figure_theorem"),
-    log:
-        "results/figures/logs/theorem.log",
-    conda:
-        ENVIRONMENT
     script:
         "../scripts/figure_theorem.py"
 
@@ -177,16 +117,9 @@ rule refinement:
         two_triangles_shapes="results/tables/two_triangles_shapes.csv",
         wedge_components="results/tables/wedge_components.csv",
         wedge_grids=report("results/tables/wedge_grids.csv", "../report/wedge_table.rst", category="Theory"),
-        record="results/provenance/refinement.json",
-        record_how="results/provenance/refinement.how.json",
     params:
-        code=code_of("refinement"),
         refinements=10,
         halvings=5,
-    log:
-        "results/tables/logs/refinement.log",
-    conda:
-        ENVIRONMENT
     script:
         "../scripts/refinement.py"
 
@@ -200,13 +133,5 @@ rule figure_refinement:
     output:
         two_triangles=report("results/figures/two_triangles.png", "../report/two_triangles.rst", category="Theory"),
         wedge=report("results/figures/wedge_islands.png", "../report/wedge_islands.rst", category="Theory"),
-        record="results/provenance/figure_refinement.json",
-        record_how="results/provenance/figure_refinement.how.json",
-    params:
-        code=code_of("figure_refinement"),
-    log:
-        "results/figures/logs/refinement.log",
-    conda:
-        ENVIRONMENT
     script:
         "../scripts/figure_refinement.py"

@@ -7,7 +7,7 @@ from tusqh.explorer.subject import read_subject
 from tusqh.settings.model import Settings
 
 with recorded(snakemake) as log:
-    page = Path(snakemake.output.page)
+    page = Path(snakemake.output.explorer)
     subject = read_subject(
         page.parent,
         geometry=snakemake.params.geometry,

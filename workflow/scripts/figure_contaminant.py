@@ -14,7 +14,7 @@ with recorded(snakemake) as log:
         points,
         cells,
         [field for _, _, field in snapshots],
-        pd.read_csv(snakemake.input.table),
+        pd.read_csv(snakemake.input.amount),
         name=snakemake.wildcards.model,
         unit=snakemake.params.unit,
     )

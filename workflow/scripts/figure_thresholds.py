@@ -1,3 +1,4 @@
+import json
 from pathlib import Path
 
 from provenance.record import recorded
@@ -7,9 +8,11 @@ from tusqh.figures.thresholds import draw_thresholds
 from tusqh.geometry.canonical import load_geometry
 from tusqh.sampling.io import load_fractions
 from tusqh.settings.policy import Policy
+from tusqh.threshold.select import Selection
 
 with recorded(snakemake) as log:
-    policy = Policy.from_dict(snakemake.params.policy)
+    selection = Selection.from_dict(json.loads(Path(snakemake.input.selection).read_text()))
+    policy = Policy.from_dict(selection.policy)
     figure = draw_thresholds(
         CellSets(load_fractions(Path(snakemake.input.fractions)), policy),
         load_geometry(Path(snakemake.input.geometry)),

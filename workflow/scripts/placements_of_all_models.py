@@ -9,7 +9,7 @@ from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
     models = snakemake.params.models
-    chosen = [json.loads(Path(p).read_text())["threshold"] for p in snakemake.input.selections]
+    chosen = [json.loads(Path(p).read_text())["threshold"] for p in snakemake.input.selection]
     thresholds = dict(zip(models, chosen, strict=True))
     tables = dict(zip(models, map(pd.read_csv, snakemake.input.placements), strict=True))
     spread = pd.concat(map(pd.read_csv, snakemake.input.spreads), ignore_index=True)

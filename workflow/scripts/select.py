@@ -23,14 +23,17 @@ with recorded(snakemake) as log:
     )
     selection, topologies = choice.selection, choice.topologies
     log.info(
-        "%d plateaus looked at; the raw filtration agrees at %d, clusters overruled at %d",
+        "%d plateaus examined; the raw filtration agrees at %d, clusters overruled at %d",
         len(topologies),
         topologies["raw_agrees"].sum(),
         (topologies["overruled"] > 0).sum(),
     )
     log.info("threshold %.6g: %s", selection.threshold, selection.reason)
     if selection.without_features:
-        log.info("the same topology with no feature dropped: %s", selection.without_features)
+        log.info(
+            "the same topology without removing or filling any feature: %s",
+            selection.without_features,
+        )
     write_csv(Path(snakemake.output.topologies), topologies)
     write_csv(Path(snakemake.output.candidates), choice.candidates)
     write_text(Path(snakemake.output.selection), canonical_json(asdict(selection)))

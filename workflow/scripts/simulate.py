@@ -19,5 +19,5 @@ with recorded(snakemake) as log:
     )
     log.info("%d elements, %d unknowns", len(result.cells), result.fields.shape[1])
     files = [Path(path) for path in snakemake.output.snapshots]
-    write_snapshots(Path(snakemake.output.collection), files, result)
-    write_csv(Path(snakemake.output.table), result.table)
+    write_snapshots(Path(snakemake.output.simulation), files, result)
+    write_csv(Path(snakemake.output.amount), result.table)

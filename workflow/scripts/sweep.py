@@ -1,3 +1,4 @@
+import json
 from pathlib import Path
 
 import pandas as pd
@@ -10,10 +11,12 @@ from tusqh.quality.verification import verify_mesh
 from tusqh.sampling.io import load_fractions
 from tusqh.settings.policy import Policy
 from tusqh.tables import write_csv
+from tusqh.threshold.select import Selection
 
 with recorded(snakemake) as log:
     fractions = load_fractions(Path(snakemake.input.fractions))
-    cell_sets = CellSets(fractions, Policy.from_dict(snakemake.params.policy))
+    selection = Selection.from_dict(json.loads(Path(snakemake.input.selection).read_text()))
+    cell_sets = CellSets(fractions, Policy.from_dict(selection.policy))
     rows = []
     for path, threshold in zip(snakemake.output.meshes, snakemake.params.thresholds, strict=True):
         cells = cell_sets.at(threshold)

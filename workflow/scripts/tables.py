@@ -8,13 +8,13 @@ from tusqh.quality.summary import summarise_model
 from tusqh.tables import write_csv, write_markdown
 
 with recorded(snakemake) as log:
-    kinds = ("facts", "verdicts", "amounts", "defects")
+    kinds = ("facts", "verdict", "amount", "defects")
     files = zip(*(snakemake.input[kind] for kind in kinds), strict=True)
     summary = pd.DataFrame(
         summarise_model(json.loads(Path(facts).read_text()), *map(pd.read_csv, tables))
         for facts, *tables in files
     )
-    verification = pd.concat(map(pd.read_csv, snakemake.input.verifications), ignore_index=True)
+    verification = pd.concat(map(pd.read_csv, snakemake.input.verification), ignore_index=True)
     log.info(
         "%d of %d rows of the verification hold", verification["holds"].sum(), len(verification)
     )

@@ -1,0 +1,239 @@
+"""The files of a model's results: the one place that knows their names, columns and meaning.
+
+The rules of the workflow, `Result.save`, the explorer and the overview all take the names of files
+from here.  ``docs/files.md`` lists them with the rules that write and read each one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class ResultFile:
+    """A file in the folder of a model's results.
+
+    Parameters
+    ----------
+    name
+        The name by which code refers to the file.
+    path
+        Path in the folder of the model.
+    sentence
+        What the file contains.
+    columns
+        Columns of a table, for a solid; an outline has no ``k`` and ``z``.
+    """
+
+    name: str
+    path: str
+    sentence: str
+    columns: tuple[str, ...] = ()
+
+    def columns_of(self, dimension: int) -> tuple[str, ...]:
+        """Return the columns of the table for a geometry of a dimension.
+
+        Parameters
+        ----------
+        dimension
+            2 for an outline, 3 for a solid.
+
+        Returns
+        -------
+        tuple of str
+            The columns, in their order in the file.
+
+        Examples
+        --------
+        >>> RESULT_FILES["features"].columns_of(2)[-2:]
+        ('x', 'y')
+        """
+        if dimension == 3:
+            return self.columns
+        return tuple(c for c in self.columns if c.rpartition("_")[2] not in {"k", "z"})
+
+
+def path_of(name: str, folder: Path) -> Path:
+    """Return the path of a file of a model's results.
+
+    Parameters
+    ----------
+    name
+        The name of the file, a key of `RESULT_FILES`.
+    folder
+        The folder of the model's results.
+
+    Returns
+    -------
+    Path
+        The path, whether the file exists or not.
+
+    Raises
+    ------
+    KeyError
+        There is no such name.
+
+    Examples
+    --------
+    >>> path_of("curves", Path("results/torus")).as_posix()
+    'results/torus/curves.csv'
+    """
+    return folder / RESULT_FILES[name].path
+
+
+def _columns(*parts: str) -> tuple[str, ...]:
+    return tuple(" ".join(parts).split())
+
+
+_BETTI = "betti_0 betti_1 betti_2"
+_CELL_SET = "cells clusters overruled bridges removed filled"
+_AT = "{0}_at {0}_i {0}_j {0}_k {0}_x {0}_y {0}_z"
+
+_GEOMETRY_TO_SELECTION = (
+    ResultFile("geometry", "geometry.vtp", "the geometry as it was read, without any repair"),
+    ResultFile(
+        "defects",
+        "defects.csv",
+        "the defects of the geometry, counted and measured",
+        _columns("defect count measure unit explanation"),
+    ),
+    ResultFile("fractions", "fractions.npz", "the volume fractions of cells and sub-cells"),
+    ResultFile(
+        "curves",
+        "curves.csv",
+        "the Betti numbers of the filtration at every plateau of the threshold",
+        _columns("upper lower width", _BETTI, "euler"),
+    ),
+    ResultFile(
+        "diagram",
+        "diagram.csv",
+        "the persistence pairs, with the cells that create and destroy each feature",
+        _columns(
+            "dimension birth death persistence essential", _AT.format("birth"), _AT.format("death")
+        ),
+    ),
+    ResultFile(
+        "diagonal",
+        "diagonal.csv",
+        "the number of persistence pairs that are born and die at the same volume fraction",
+        _columns("dimension birth pairs"),
+    ),
+    ResultFile(
+        "topologies",
+        "topologies.csv",
+        "the topology of the mesh at every plateau of the threshold",
+        _columns(
+            "upper lower width threshold",
+            _CELL_SET,
+            _BETTI,
+            "raw_betti_0 raw_betti_1 raw_betti_2 raw_agrees",
+        ),
+    ),
+    ResultFile(
+        "candidates",
+        "candidates.csv",
+        "the intervals of the threshold that give the wanted topology, ranked, with margins",
+        _columns(
+            "rank threshold upper lower width margin cell_margin unexamined plateaus",
+            _CELL_SET,
+            _BETTI,
+            "raw_betti_0 raw_betti_1 raw_betti_2 raw_agrees status",
+        ),
+    ),
+    ResultFile(
+        "selection",
+        "selection.json",
+        "the selected threshold, its interval, the policy, and the reason for the choice",
+    ),
+)
+
+_MESH_TO_VERDICT = (
+    ResultFile("mesh", "mesh.vtu", "the mesh, for ParaView, meshio and MFEM"),
+    ResultFile("facts", "facts.json", "the size, topology and volume of the mesh"),
+    ResultFile(
+        "features",
+        "features.csv",
+        "every small component that was removed and every small hole or void that was filled",
+        _columns(
+            "feature cells volume persistence smallest_fraction largest_fraction",
+            "interior_sub_cells x y z",
+        ),
+    ),
+    ResultFile(
+        "bridges",
+        "bridges.csv",
+        "the bridges that join archipelagos, and the components that could not be joined",
+        _columns("kind edges length cells_a cells_b x_a y_a x_b y_b status"),
+    ),
+    ResultFile(
+        "certificate",
+        "certificate.json",
+        "the wanted, predicted and measured topology, with digests; `tusqh check` recomputes it",
+    ),
+    ResultFile(
+        "elements",
+        "elements.csv",
+        "the statistics of the element metrics",
+        _columns("metric min p01 median mean max unit"),
+    ),
+    ResultFile(
+        "verdict",
+        "verdict.csv",
+        "every check of the mesh: found, required, holds",
+        _columns("name found required holds"),
+    ),
+    ResultFile(
+        "verification",
+        "verification.csv",
+        "the predicted and measured topology at every threshold of the sweep",
+        _columns(
+            "model dimension grid threshold cells_kept elements pinch_clusters clusters_overruled",
+            "betti_0_predicted betti_1_predicted betti_2_predicted",
+            "betti_0_measured betti_1_measured betti_2_measured",
+            "manifold conforming min_scaled_jacobian holds",
+        ),
+    ),
+)
+
+_USES = (
+    ResultFile("export_mfem", "export/mesh.mesh", "the mesh for MFEM"),
+    ResultFile("export_gmsh", "export/mesh.msh", "the mesh for Gmsh, with physical groups"),
+    ResultFile("export_exodus", "export/mesh.exo", "the mesh in Exodus II, with side sets"),
+    ResultFile("export_abaqus", "export/mesh.inp", "the mesh for Abaqus, with surfaces"),
+    ResultFile(
+        "simulation",
+        "simulation/concentration.pvd",
+        "a contaminant that spreads in the mesh (in 3D, heat), for ParaView",
+    ),
+    ResultFile(
+        "amount",
+        "simulation/amount.csv",
+        "the conserved amount and the extremes of the concentration in every snapshot",
+    ),
+    ResultFile(
+        "explorer", "explorer.html", "the model in a browser, with a slider over the threshold"
+    ),
+)
+
+_FIGURES = (
+    ResultFile("figure_field", "figures/field.png", "the volume fractions of an outline"),
+    ResultFile("figure_thresholds", "figures/thresholds.png", "an outline at three thresholds"),
+    ResultFile("figure_panels", "figures/panels.png", "a solid at every threshold of the sweep"),
+    ResultFile("figure_diagram", "figures/diagram.png", "the persistence diagram"),
+    ResultFile("figure_curves", "figures/curves.png", "the Betti numbers at every threshold"),
+    ResultFile(
+        "figure_antialias",
+        "figures/antialias.png",
+        "interior sub-cells and templates where the most pinches are",
+    ),
+    ResultFile(
+        "figure_contaminant", "figures/contaminant.png", "a contaminant that spreads in the mesh"
+    ),
+    ResultFile("figure_temperature", "figures/temperature.png", "heat that spreads in the mesh"),
+)
+
+#: Every file of a model's results by name, in the order in which the workflow makes them.
+RESULT_FILES = {
+    file.name: file for file in (*_GEOMETRY_TO_SELECTION, *_MESH_TO_VERDICT, *_USES, *_FIGURES)
+}

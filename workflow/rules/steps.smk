@@ -1,0 +1,18 @@
+# What every step with a script has besides the contents of its rule: a log, two outputs that record
+# how it ran, its software environment, and a fingerprint of its code, so that Snakemake reruns the
+# step when the code changes. This file comes last, when all rules are known.
+STEPS = [r for r in workflow.modifier.rules if r.script and Path(r.snakefile).is_relative_to(BASE)]
+CODE_OF_STEP = {step: f"workflow/scripts/{Path(step.script).name}" for step in STEPS}
+
+for step, code_file in CODE_OF_STEP.items():
+    record, log_file = record_of(step)
+    step.set_output(record=f"{record}.json", record_how=f"{record}.how.json")
+    step.set_params(code=code_fingerprint(code_file, base=BASE))
+    step.log_modifier = step.output_modifier
+    step.set_log(log_file)
+    step.conda_env = os.fspath(BASE / "environment.yml")
+
+
+onstart:
+    for code_file in sorted(set(CODE_OF_STEP.values())):
+        list_code(code_file, base=BASE, folder=Path("results/provenance/code"))
