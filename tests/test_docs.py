@@ -1,11 +1,13 @@
 """The documentation builds without a warning and without a network, and its examples run."""
 
+import html
 import os
-import pkgutil
 import re
 import runpy
 import subprocess
 import sys
+import zlib
+from importlib import import_module
 
 import meshio
 import mfem.ser as mfem
@@ -13,42 +15,73 @@ import pytest
 from drawings import is_drawn
 
 import tusqh
-import tusqh.pipeline
 
 
-def test_the_documentation_builds_strictly_and_loads_nothing_from_elsewhere(repository, tmp_path):
-    import mkdocs  # noqa: F401
-
-    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)]
+@pytest.fixture(scope="module")
+def site(repository, tmp_path_factory):
+    """The documentation, built without a warning."""
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)]
     nowhere = {"http_proxy": "http://127.0.0.1:9", "https_proxy": "http://127.0.0.1:9"}
     done = subprocess.run(
         command, cwd=repository, capture_output=True, text=True, env=os.environ | nowhere
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    pages = sorted(tmp_path.rglob("*.html"))
+    return folder
+
+
+def test_the_documentation_loads_nothing_from_elsewhere(site):
+    pages = sorted(site.rglob("*.html"))
     assert {"index.html", "tutorial.html", "thresholds.html"} <= {page.name for page in pages}
     for page in pages:
         loaded = re.findall(r'<(?:script|img|iframe)[^>]* src="([^"]*)"', page.read_text())
         loaded += re.findall(r'<link[^>]* rel="stylesheet"[^>]* href="([^"]*)"', page.read_text())
         assert not [source for source in loaded if "//" in source], page
-    reference = (tmp_path / "reference/python.html").read_text()
-    assert "Wanted numbers of components, holes and voids" in reference
 
 
-#: Serve the command line, the workflow or other modules; nobody calls them from Python.
-NOT_IN_THE_REFERENCE = {"__main__", "add_model", "cli", "config", "explorer", "extras"}
-NOT_IN_THE_REFERENCE |= {"figures", "hashing", "overview", "settings", "tables"}
+def text_of(page):
+    """Return the words of a built page without its markup."""
+    return html.unescape(re.sub(r"<[^>]+>", "", page.read_text()))
 
 
-def test_every_module_for_users_is_in_the_reference(repository):
-    pages = "".join(p.read_text() for p in (repository / "docs/reference").glob("*.md"))
-    named = re.findall(r"^::: (tusqh[\w.]*)", pages, re.MULTILINE)
-    modules = {m.name for m in pkgutil.iter_modules(tusqh.__path__, "tusqh.")}
-    assert {f"tusqh.{name}" for name in NOT_IN_THE_REFERENCE} <= modules
-    modules -= {f"tusqh.{name}" for name in NOT_IN_THE_REFERENCE} | {"tusqh.pipeline"}
-    modules |= {m.name for m in pkgutil.iter_modules(tusqh.pipeline.__path__, "tusqh.pipeline.")}
-    missing = {m for m in modules if not any(f"{n}.".startswith(f"{m}.") for n in named)}
-    assert missing == set()
+def test_every_module_is_in_the_reference(repository, site):
+    inventory = (site / "objects.inv").read_bytes().split(b"\n", 4)[4]
+    entries = zlib.decompress(inventory).decode().splitlines()
+    described = {line.split()[0] for line in entries if " py:module " in line}
+    files = [p.relative_to(repository) for p in (repository / "tusqh").rglob("*.py")]
+    modules = {".".join(p.with_suffix("").parts).removesuffix(".__init__") for p in files}
+    assert len(modules) > 80
+    missing = modules - described - {"tusqh", "tusqh.__main__"}
+    assert not missing
+
+
+def test_the_page_of_examples_shows_the_examples(repository, site):
+    page = text_of(site / "examples.html")
+    examples = sorted((repository / "examples").glob("*.py"))
+    assert examples
+    for example in examples:
+        (line,) = re.findall(r"^def main.*$", example.read_text(), re.MULTILINE)
+        assert page.count(line) >= 1, example
+    assert "--8" not in page
+
+
+def test_citations_of_the_algorithm_lead_to_a_section(repository):
+    text = (repository / "docs/algorithm.md").read_text()
+    sections = set(re.findall(r"^#+ ([\d.]*\d)\.? ", text, re.MULTILINE))
+    files = [*(repository / "tusqh").rglob("*.py"), *(repository / "studies").rglob("*.py")]
+    cited = {p: re.findall(r"\b[Aa]lgorithm (\d[\d.]*\d|\d)", p.read_text()) for p in files}
+    assert sum(map(len, cited.values())) > 5
+    assert {number for numbers in cited.values() for number in numbers} <= sections
+
+
+def test_every_public_module_has_a_list_of_its_names(repository):
+    page = (repository / "docs/public.md").read_text()
+    named = set(re.findall(r"`(tusqh\.[a-z_.]+)`\]\[\]", page)) | set(tusqh._MODULES.values())
+    assert {"tusqh.errors", "tusqh.pipeline.mesh"} <= named
+    for name in named:
+        module = import_module(name)
+        assert set(module.__all__) <= set(dir(module)), name
+    assert all(f"`{name}`" in page for name in set(tusqh.__all__) - {"__version__"})
 
 
 def test_the_first_example_of_the_readme_runs(repository, tmp_path):
@@ -70,7 +103,8 @@ def drawings(repository):
 
 
 def test_pictures_are_small_and_show_something(repository, drawings):
-    for name in drawings:
+    assert drawings
+    for name in [*drawings, "rules"]:
         file = repository / f"docs/images/{name}.png"
         assert file.stat().st_size < 400_000, name
         assert is_drawn(file), name

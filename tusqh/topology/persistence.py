@@ -35,7 +35,7 @@ def persistence_pairs(
     ----------
     values
         Fractions on the doubled grid, shape ``2 n + 1``, multiples of
-        `tusqh.sampling.fractions.RESOLUTION`; below 0 and above 1 they count as 0 and 1.
+        `tusqh.sampling.doubled_grid.RESOLUTION`; below 0 and above 1 they count as 0 and 1.
     n_cells
         A 3D grid of more cells gets no pairs of dimension 1 (the curves still count them).
     diagonal

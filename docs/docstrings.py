@@ -1,0 +1,27 @@
+"""An extension of the reference: doctests become examples, and names of tusqh become links."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import griffe
+
+_HEADING = "\n\nExamples\n--------\n"
+
+#: A name of the library in back-ticks.  The strict build fails where such a link leads nowhere.
+_NAME = re.compile(r"(?<!\[)`(tusqh(?:\.\w+)+)`")
+
+
+class Docstrings(griffe.Extension):
+    """Prepare the docstring of every object for the reference."""
+
+    def on_object(self, *, obj: griffe.Object, **_: Any) -> None:
+        """Give doctests at the end of a docstring a heading, and link names of the library."""
+        if obj.docstring is None:
+            return
+        text = _NAME.sub(r"[`\1`][\1]", obj.docstring.value)
+        body, prompt, example = text.partition("\n\n>>> ")
+        if prompt and _HEADING not in text:
+            text = f"{body}{_HEADING}>>> {example}"
+        obj.docstring.value = text
