@@ -21,6 +21,9 @@ class Docstrings(griffe.Extension):
         if obj.docstring is None:
             return
         text = _NAME.sub(r"[`\1`][\1]", obj.docstring.value)
+        if isinstance(obj, griffe.Class) and "NamedTuple" in map(str, obj.bases):
+            # A tuple has no signature of its own in which its fields could be found.
+            text = text.replace("Parameters\n----------\n", "Attributes\n----------\n")
         body, prompt, example = text.partition("\n\n>>> ")
         if prompt and _HEADING not in text:
             text = f"{body}{_HEADING}>>> {example}"

@@ -21,7 +21,7 @@ HEX_NEIGHBOURS: IntArray = np.array(
 class Jacobians(NamedTuple):
     """The Jacobians at the corners of elements.
 
-    Attributes
+    Parameters
     ----------
     determinant
         Determinants of the edges that leave each corner, shape (m, 2**dim), model units**dim.
