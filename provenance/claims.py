@@ -1,6 +1,7 @@
 """Claims of the paper and of this project, each decided by one statistic of one table.
 
-A claim that fails is a row, not an error; so is one that cannot be tested.
+Each claim declares the status that `tusqh lock` accepted.  A refuted claim is a result; a claim
+whose status changes is a difference.
 """
 
 from __future__ import annotations
@@ -19,20 +20,38 @@ from tusqh.errors import ConfigError
 
 Claim = dict[str, Any]
 
-COLUMNS = [
-    *("id", "statement", "section", "table", "found", "relation", "expected", "tolerance"),
-    *("margin", "status", "explanation"),
+#: Columns of the table of claims.
+CLAIM_COLUMNS = [
+    "id",
+    "statement",
+    "section",
+    "table",
+    "found",
+    "relation",
+    "expected",
+    "tolerance",
+    "margin",
+    "status",
+    "accepted",
+    "explanation",
 ]
-HOLDS, FAILS, CANNOT_BE_TESTED = "holds", "fails", "cannot be tested"
+HOLDS, REFUTED, CANNOT_BE_TESTED = "holds", "refuted", "cannot be tested"
 
 
 def load_claims(path: Path, schema_path: Path) -> list[Claim]:
     """Return the claims in a YAML file.
 
+    Parameters
+    ----------
+    path
+        The file.
+    schema_path
+        The schema that it must follow.
+
     Raises
     ------
     ConfigError
-        The file cannot be read, breaks the schema, or has an id twice.
+        The file cannot be read, does not follow the schema, or contains a duplicate id.
     """
     try:
         claims = yaml.safe_load(path.read_text("utf-8"))
@@ -41,7 +60,7 @@ def load_claims(path: Path, schema_path: Path) -> list[Claim]:
             f"cannot be read: {reason}",
             where=str(path),
             expected="a YAML list of claims",
-            remedy="correct the place named above",
+            remedy="correct the line that the message names",
         ) from reason
     schema = yaml.safe_load(schema_path.read_text("utf-8"))
     problem = jsonschema.exceptions.best_match(
@@ -53,48 +72,70 @@ def load_claims(path: Path, schema_path: Path) -> list[Claim]:
         raise ConfigError(
             problem.message,
             where=": ".join(map(str, [path, name, *keys])),
-            expected=f"what {schema_path.name} allows",
+            expected=f"a claim that follows {schema_path.name}",
             remedy="correct the claim; the schema describes every key",
         )
     names = [claim["id"] for claim in claims]
     for name in sorted({name for name in names if names.count(name) > 1}):
         raise ConfigError(
-            f"the id {name!r} stands twice",
+            f"duplicate id {name!r}",
             where=str(path),
-            expected="every id once",
+            expected="unique ids",
             remedy="rename one of the two",
         )
     return list(claims)
 
 
 def evaluate_claims(claims: list[Claim], folder: Path, *, tables: Collection[str]) -> pd.DataFrame:
-    """Return one row per claim, with what its table says today.
+    """Return one row per claim with the status that its table gives it today.
 
     Parameters
     ----------
     claims
-        As `load_claims` returns them.
+        The claims, see `load_claims`.
     folder
         The folder that the names of tables are relative to.
     tables
-        The tables that there are; claims about others cannot be tested.
+        The tables that exist; claims about others cannot be tested.
 
     Returns
     -------
     pandas.DataFrame
-        With `COLUMNS`.  ``found`` and ``expected`` are JSON.  ``margin`` is the distance to
-        failing in units of the column, negative when the claim fails, empty for texts.
+        With `CLAIM_COLUMNS`.  ``found`` and ``expected`` are JSON.  ``margin`` is the distance
+        to being refuted in units of the column, negative for a refuted claim, empty for texts.
 
     Raises
     ------
     ConfigError
-        A table has no such column, or a query makes no sense for it.
+        A table lacks a column, or a query does not fit it.
     """
-    return pd.DataFrame([_evaluate(claim, folder, tables) for claim in claims], columns=COLUMNS)
+    return pd.DataFrame(
+        [_evaluate(claim, folder, tables) for claim in claims], columns=CLAIM_COLUMNS
+    )
+
+
+def changed_claims(evaluated: pd.DataFrame, *, tables: Collection[str]) -> pd.DataFrame:
+    """Return the rows of claims whose status is not the one that they declare as accepted.
+
+    A configuration without the paper's models lacks tables or rows that claims need.  Unless all
+    tables exist, a claim that cannot be tested counts as unchanged.
+
+    Parameters
+    ----------
+    evaluated
+        The claims, see `evaluate_claims`.
+    tables
+        The tables that exist.
+    """
+    needed = set(evaluated["table"]) - {""}
+    is_changed = evaluated["status"] != evaluated["accepted"]
+    if not needed <= set(tables):
+        is_changed &= evaluated["status"] != CANNOT_BE_TESTED
+    return evaluated[is_changed]
 
 
 def _evaluate(claim: Claim, folder: Path, tables: Collection[str]) -> dict[str, Any]:
-    row = {key: claim.get(key, "") for key in COLUMNS} | {"margin": math.nan}
+    row = {key: claim.get(key, "") for key in CLAIM_COLUMNS} | {"margin": math.nan}
     if "cannot_be_tested" in claim:
         return row | {"status": CANNOT_BE_TESTED, "explanation": claim["cannot_be_tested"]}
     tolerance = float(claim.get("tolerance", 0))
@@ -108,25 +149,25 @@ def _evaluate(claim: Claim, folder: Path, tables: Collection[str]) -> dict[str, 
     if found is None:
         return row | {
             "status": CANNOT_BE_TESTED,
-            "explanation": "no row of the table is what the claim is about",
+            "explanation": "the table has no row that the claim concerns",
         }
     holds, margin = _compare(found, claim["relation"], claim["expected"], tolerance)
     return row | {
         "found": json.dumps(found),
         "margin": margin,
-        "status": HOLDS if holds else FAILS,
+        "status": HOLDS if holds else REFUTED,
     }
 
 
 def _statistic(claim: Claim, table: pd.DataFrame) -> float | bool | str | None:
-    """Return the statistic of a claim, None when it is about no row."""
+    """Return the statistic of a claim, None if it concerns no row."""
     try:
         rows = table.query(claim["rows"]) if "rows" in claim else table
         if claim["statistic"] == "count":
             return len(rows)
         column = rows[claim["column"]]
         return None if column.empty else _take(claim["statistic"], column)
-    except Exception as reason:  # A query may raise anything that Python can.
+    except Exception as reason:  # A query can raise any exception.
         raise ConfigError(
             f"cannot be evaluated: {type(reason).__name__}: {reason}",
             where=f"claim {claim['id']}, {claim['table']}",
@@ -141,14 +182,14 @@ def _take(statistic: str, column: Any) -> float | bool | str:
     elif statistic in ("all", "any"):
         value = getattr(column.astype(bool), statistic)()
     else:
-        # A missing value must not hide: it makes the statistic NaN, and the claim fail.
+        # A missing value makes the statistic NaN and refutes the claim.
         value = getattr(column.astype(float), statistic)(skipna=False)
     plain = value.item() if hasattr(value, "item") else value
     return plain if isinstance(plain, bool | str) else float(plain)
 
 
 def _compare(found: Any, relation: str, expected: Any, tolerance: float) -> tuple[bool, float]:
-    """Return whether a relation holds, and the distance to where it begins to fail.
+    """Return whether a relation holds, and the distance to where it ceases to hold.
 
     >>> _compare(0.5, "<=", 0.4, 0.2)
     (True, 0.1)

@@ -1,46 +1,73 @@
-"""A fingerprint of the code behind a step: its script and all that it imports of this project.
+"""A fingerprint of the code behind a step: its script and the modules of this project it imports.
 
-Snakemake does not see an edit inside an imported package.  The fingerprint is a parameter of every
-rule, so it does: a constant changed three imports deep reruns the steps that reach it, a comment,
+Snakemake does not notice an edit inside an imported package.  The fingerprint is a parameter of
+each rule, so a constant that changes three imports deep reruns the steps that reach it; a comment,
 a docstring or a new layout reruns none.
+
+The imports are followed here and not by a library such as grimp, because grimp's graph has one
+node per module: it does not tell imports that a package runs on import from those inside a
+function, and has neither data files beside modules nor the modules beside a script.  With it, a
+change would rerun steps that do not depend on it.
 """
 
 from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
 from tusqh.atomic import remove_leftovers, write_text
 from tusqh.hashing import canonical_json, hash_file, hash_value
 
-#: The folder that holds the packages of the project.
+#: The folder of the packages of the project.
 PACKAGE_ROOT = Path(__file__).resolve().parents[1]
 #: The packages of the project.
 PACKAGES = ("tusqh", "studies", "provenance")
 
-#: Strings that may name a file or folder beside a module.
+#: Strings that can name a file or folder beside a module.
 _FILE_NAME = re.compile(r"\w[\w.-]*(/[\w.-]+)*")
-#: Syntax that means nothing at run time; `ctx` follows from the place.
+#: Fields without a meaning at run time; `ctx` follows from the position.
 _IGNORED_FIELDS = {"ctx", "kind", "type_comment", "type_ignores"}
 
 
 def code_fingerprint(script: str, *, base: Path) -> dict[str, str]:
-    """Return a script, as a path in the checkout, and the SHA-256 of what `code_files` lists."""
+    """Return the script and the SHA-256 of the list that `code_files` returns.
+
+    Parameters
+    ----------
+    script
+        The script of a rule, as a path in the checkout.
+    base
+        The checkout.
+    """
     return {"script": script, "sha256": hash_value(code_files(script, base=base))}
 
 
-def syntax_digest(source: bytes) -> str:
-    """Return a SHA-256 of Python code without comments, docstrings and layout."""
-    return _digest(ast.parse(source))
+def workflow_digest(files: Iterable[Path]) -> str:
+    """Return a SHA-256 of scripts and rules without comments and blank lines.
+
+    Parameters
+    ----------
+    files
+        Python scripts, whose docstrings and layout do not count either, and files in the language
+        of Snakemake.
+    """
+    return hash_value([_workflow_file_digest(path) for path in files])
+
+
+def _workflow_file_digest(path: Path) -> str:
+    if path.suffix == ".py":
+        return _digest(ast.parse(path.read_bytes()))
+    lines = map(str.rstrip, path.read_text("utf-8").splitlines())
+    return hash_value([line for line in lines if line and not line.lstrip().startswith("#")])
 
 
 def list_code(script: str, *, base: Path, folder: Path) -> None:
-    """Write down which files a fingerprint stands for, as ``<folder>/<fingerprint>.json``.
+    """Write the list of files behind a fingerprint to ``<folder>/<fingerprint>.json``.
 
-    Jobs only know the fingerprint.  The workflow writes these lists when it starts, so that
+    Records only contain the fingerprint.  The workflow writes these lists when it starts, so that
     `tusqh verify` can name the file that changed.
     """
     path = folder / f"{code_fingerprint(script, base=base)['sha256']}.json"
@@ -50,11 +77,11 @@ def list_code(script: str, *, base: Path, folder: Path) -> None:
 
 
 def code_files(script: str, *, base: Path) -> dict[str, str]:
-    """Return every file of this project that a script runs, with the digest of what it says.
+    """Return the files of this project that a script runs, each with a digest.
 
-    Imports anywhere in a module count, in functions too, but of a package on the way to a module
-    only what its ``__init__`` does on import.  A string that names a file beside its module (a
-    schema, a template) is a dependency on that file.
+    All imports of a module count, also those inside functions.  Of a package that contains an
+    imported module, only those count that its ``__init__`` runs on import.  A string that names a
+    file beside its module (a schema, a template) is a dependency on that file.
 
     Parameters
     ----------
@@ -67,8 +94,8 @@ def code_files(script: str, *, base: Path) -> dict[str, str]:
     Returns
     -------
     dict
-        For ``tusqh/grid.py``, ``workflow/scripts/mesh.py``, ... a SHA-256: of the syntax tree
-        without docstrings and positions for Python, of the bytes for everything else.
+        The SHA-256 by path, such as ``tusqh/grid.py``: of the syntax tree without docstrings and
+        positions for Python, of the bytes for other files.
     """
     base = base.resolve()
     own = base / script
@@ -99,7 +126,7 @@ class _Source:
         self.known: dict[tuple[Path, bool], list[tuple[Path, bool]]] = {}
 
     def dependencies(self, scripts: Path, whole: bool) -> list[tuple[Path, bool]]:
-        """Return files with whether all of their imports count, or only those made on import."""
+        """Return files, each with whether all of its imports count or only those run on import."""
         if (scripts, whole) not in self.known:
             self.known[scripts, whole] = self._find(scripts, whole)
         return self.known[scripts, whole]
@@ -134,7 +161,7 @@ class _Source:
         return found
 
     def _named(self, text: str, scripts: Path) -> list[tuple[Path, bool]]:
-        """Return what a string names: a module to import later, a file or a folder of files."""
+        """Return the files that a string names: a module to import later, a file or a folder."""
         if text.startswith(tuple(f"{name}." for name in PACKAGES)) and (
             found := _module(text, scripts)
         ):
@@ -147,7 +174,7 @@ class _Source:
         return [(path, True)] if path.suffix != ".py" and path.is_file() else []
 
     def names_on_import(self) -> set[str]:
-        """Return the names that exist once the module is imported, without its `__getattr__`."""
+        """Return the names that the module defines on import, without its `__getattr__`."""
         assert self.tree is not None
         names: set[str] = set()
         for node in _nodes(self.tree, into_functions=False):
@@ -161,7 +188,7 @@ class _Source:
 
 
 def _version(path: Path) -> tuple[Path, int, int]:
-    """Return a path with size and time of change, so that an edited file is read again."""
+    """Return a path with size and time of change, so that `_read` reads an edited file again."""
     state = path.stat()
     return path, state.st_size, state.st_mtime_ns
 
@@ -172,7 +199,7 @@ def _read(path: Path, size: int, modified: int) -> _Source:
 
 
 def _module(name: str, scripts: Path) -> list[tuple[Path, bool]]:
-    """Return the files that importing a module of the project runs, its own last."""
+    """Return the files that run when a module of the project is imported, its own last."""
     parts = name.split(".")
     root = PACKAGE_ROOT if parts[0] in PACKAGES else scripts
     *parents, own = [root.joinpath(*parts[:k]) for k in range(1, len(parts) + 1)]
@@ -184,7 +211,7 @@ def _module(name: str, scripts: Path) -> list[tuple[Path, bool]]:
 
 
 def _nodes(tree: ast.AST, *, into_functions: bool) -> Iterator[ast.AST]:
-    """Walk a syntax tree without docstrings and what only type checkers read."""
+    """Walk a syntax tree without docstrings and blocks for type checkers only."""
     for node in ast.iter_child_nodes(tree):
         if _is_docstring(node):
             continue
@@ -204,23 +231,23 @@ def _is_docstring(node: object) -> bool:
 
 
 def _digest(tree: ast.AST) -> str:
-    return hash_value(_said(tree))
+    return hash_value(_to_text(tree))
 
 
-def _said(node: object) -> str:
-    """Return a syntax tree as text, the same for every version of Python.
+def _to_text(node: object) -> str:
+    """Return a syntax tree as text that does not depend on the version of Python.
 
-    `ast.dump` lists fields that are empty in one version and unknown in another.
+    `ast.dump` lists fields that are empty in one version and absent in another.
     """
     if isinstance(node, ast.Constant):
         return f"{type(node.value).__name__}:{node.value!r}"
     if isinstance(node, ast.AST):
         fields = [
-            f"{name}={_said(value)}"
+            f"{name}={_to_text(value)}"
             for name, value in ast.iter_fields(node)
             if name not in _IGNORED_FIELDS and value is not None and value != []
         ]
         return f"{type(node).__name__}({','.join(fields)})"
     if isinstance(node, list):
-        return "[" + ",".join(_said(item) for item in node if not _is_docstring(item)) + "]"
+        return "[" + ",".join(_to_text(item) for item in node if not _is_docstring(item)) + "]"
     return repr(node)

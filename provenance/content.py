@@ -1,40 +1,34 @@
-"""What a file says, apart from how it is written down: compression, last digits, order of rows.
+"""The content of a file, independent of its encoding: compression, last digits, order of rows.
 
-The content is a skeleton, which must be equal, and real numbers, which may differ by a tolerance.
+A content consists of a skeleton (texts and whole numbers), which must be equal, and of real
+numbers, which may differ by a tolerance.  `provenance.read_content` reads it from a file.
 """
 
 from __future__ import annotations
 
-import ast
-import csv
 import hashlib
-import io
 import re
-import tokenize
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from provenance.code import syntax_digest
 from tusqh.grid import FloatArray
 from tusqh.hashing import hash_value
 
 #: More numbers than this are summarised by a sketch.
 MAX_NUMBERS = 20
 _N_SUMS = 2
-#: Enough for the strictest tolerance.
+#: Digits that are stored; enough for the smallest tolerance in use.
 _DIGITS = 12
 #: A number with a decimal point or an exponent; whole numbers belong to the skeleton.
 _REAL = re.compile(
     r"(?<![\w.])[-+]?(?:\d+\.\d*|\.\d+|\d+(?=[eE][-+]?\d))(?:[eE][-+]?\d+)?(?![\w.])"
 )
-#: Digests and sizes of other files inside a file: those files are compared themselves.
-_OF_OTHER_FILES = re.compile(r'"(sha256|contentSize)": "?\w+"?')
-#: Relative errors are compared on the scale of 1: rounding makes all of their digits.
+#: Columns with this in their name hold relative errors, which are rounding errors in all digits:
+#: their differences are absolute.
 _ERROR = "error"
-#: What is this small in a column is zero but for rounding; rows may be of different kinds.
+#: Numbers below this part of the largest one of their column are zero up to rounding.
 _PART_OF_COLUMN = 1e-6
 
 
@@ -47,8 +41,8 @@ class Numbers:
     values : (n,) float64
         The numbers, or a sketch of them when there are more than `MAX_NUMBERS`.
     scale
-        Differences are relative to the number itself, or to this where that is larger: all of the
-        largest number of a field, a small part of that of a column of a table.
+        Differences are relative to the larger of this and the number itself.  It is the largest
+        number of a field, or a small part of the largest number of a column.
     """
 
     values: FloatArray
@@ -56,13 +50,13 @@ class Numbers:
 
     @staticmethod
     def of(values: FloatArray, *, part: float = 1.0) -> Numbers:
-        """Return numbers on the scale of a part of the largest."""
+        """Return numbers whose scale is a part of the largest finite one."""
         flat = np.asarray(values, dtype=np.float64).ravel()
         largest = float(np.abs(flat[np.isfinite(flat)]).max(initial=0.0))
         return Numbers(sketch(flat), part * largest)
 
     def difference(self, other: Numbers) -> float:
-        """Return the largest relative difference; inf when not comparable."""
+        """Return the largest relative difference, inf if the numbers are not comparable."""
         if len(self.values) != len(other.values):
             return float("inf")
         same = (self.values == other.values) | (np.isnan(self.values) & np.isnan(other.values))
@@ -89,7 +83,7 @@ class Content:
     numbers: dict[str, Numbers]
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain values for JSON; infinities and missing values as texts."""
+        """Return plain values for JSON; infinities and NaN as texts."""
         return {
             "skeleton": self.skeleton,
             "numbers": {
@@ -103,7 +97,7 @@ class Content:
 
     @staticmethod
     def from_dict(values: dict[str, Any]) -> Content:
-        """Return the content that `to_dict` gave."""
+        """Return the content that `to_dict` describes."""
         numbers = {
             name: Numbers(np.array([float(x) for x in group["values"]]), group["scale"])
             for name, group in values["numbers"].items()
@@ -111,9 +105,9 @@ class Content:
         return Content(values["skeleton"], numbers)
 
     def difference(self, other: Content) -> tuple[float, str]:
-        """Return how far two contents are apart, and in which numbers; inf when not comparable.
+        """Return the largest relative difference and where it is, inf if texts differ.
 
-        >>> one, other = (of_table([["mass"], [m]]) for m in ("2.0", "2.5"))
+        >>> one, other = (content_of_table([["mass"], [m]]) for m in ("2.0", "2.5"))
         >>> one.difference(other)
         (0.2, 'mass')
         """
@@ -126,10 +120,11 @@ class Content:
 
 
 def sketch(numbers: FloatArray) -> FloatArray:
-    """Return few numbers themselves; of many their count, range and sums with random signs.
+    """Return up to `MAX_NUMBERS` numbers unchanged, a summary of more.
 
-    A change of one number changes every sum by as much, and changes that cancel in one sum do not
-    in the others.
+    The summary is the count, the range, and sums with fixed random signs.  It keeps the lock small:
+    a change of one number changes each sum by the same amount, and changes that cancel in one sum
+    hardly cancel in the other.
 
     >>> sketch(np.array([1.0, 2.0])).tolist()
     [1.0, 2.0]
@@ -139,50 +134,26 @@ def sketch(numbers: FloatArray) -> FloatArray:
     if len(numbers) <= MAX_NUMBERS:
         return numbers
     signs = np.random.default_rng(0).integers(0, 2, (_N_SUMS, len(numbers)), dtype=np.int8) * 2 - 1
-    # Not a matrix product: that depends on the BLAS in use.
+    # A matrix product would depend on the BLAS in use.
     sums = [float((row * numbers).sum()) for row in signs]
     return np.array([numbers.size, numbers.min(), numbers.max(), *sums], dtype=np.float64)
 
 
 def _plain(number: float) -> float | str:
-    """Return a number rounded for the lock, or its name where JSON has no such number."""
+    """Return a number rounded for the lock; infinities and NaN by name, as JSON lacks them."""
     return float(f"{number:.{_DIGITS}g}") if np.isfinite(number) else str(number)
 
 
-def read_content(path: Path) -> Content | None:
-    """Return what a file says, None for kinds of files that are only compared byte by byte.
+def content_of_table(rows: list[list[str]]) -> Content:
+    """Return the content of a table, independent of the order of its rows.
 
-    Meshes are read up to the numbering of points and elements, tables up to the order of rows.
+    Parameters
+    ----------
+    rows
+        The cells of each row as texts; the first row is the header.
     """
-    from provenance import content_of_meshes
-
-    if path.suffix == ".csv":
-        with path.open(encoding="utf-8", newline="") as stream:
-            return of_table(list(csv.reader(stream)))
-    if path.suffix == ".md":
-        return of_table([line.split("|") for line in path.read_text("utf-8").splitlines()])
-    if path.suffix == ".json":
-        return _of_text(_OF_OTHER_FILES.sub(r'"\1": "#"', path.read_text("utf-8")), scaled=False)
-    if path.suffix in {".mesh", ".inp", ".pvd"}:
-        return _of_text(path.read_text("utf-8"), scaled=True)
-    if path.suffix == ".npz":
-        with np.load(path) as file:
-            return of_arrays({name: file[name] for name in file.files})
-    if path.suffix == ".py":
-        return Content(syntax_digest(path.read_bytes()), {})
-    if path.suffix == ".smk" or path.name == "Snakefile":
-        return _of_workflow(path.read_bytes())
-    if path.suffix in {".vtu", ".vtp"}:
-        return content_of_meshes.of_vtk(path)
-    if path.suffix in {".msh", ".exo"}:
-        return content_of_meshes.of_meshio(path)
-    return None
-
-
-def of_table(rows: list[list[str]]) -> Content:
-    """Return the content of a table given by its cells, the first row being the header."""
     header, body = rows[0] if rows else [], rows[1:]
-    # Rounded, so that noise in the last digits leaves the order of rows alone.
+    # Rounding keeps noise in the last digits from changing the order of the rows.
     body = sorted(body, key=lambda row: [_REAL.sub(lambda m: f"{float(m[0]):.6g}", c) for c in row])
     numbers: dict[str, list[float]] = {}
     skeleton = [header]
@@ -203,8 +174,8 @@ def of_table(rows: list[list[str]]) -> Content:
     return Content(hash_value(skeleton), groups)
 
 
-def of_arrays(arrays: dict[str, Any]) -> Content:
-    """Return the content of named arrays: real ones are numbers, all others skeleton."""
+def content_of_arrays(arrays: dict[str, Any]) -> Content:
+    """Return the content of named arrays: real arrays are numbers, all others skeleton."""
     skeleton: dict[str, Any] = {}
     numbers = {}
     for name, values in sorted(arrays.items()):
@@ -220,24 +191,17 @@ def of_arrays(arrays: dict[str, Any]) -> Content:
     return Content(hash_value(skeleton), numbers)
 
 
-def _of_text(text: str, *, scaled: bool) -> Content:
+def content_of_text(text: str, *, is_scaled: bool) -> Content:
+    """Return the content of a text.
+
+    Parameters
+    ----------
+    text
+        The text.
+    is_scaled
+        Whether differences of real numbers are relative to the largest of them, otherwise each
+        to the number itself.
+    """
     values = np.array([float(token) for token in _REAL.findall(text)], dtype=np.float64)
-    numbers = Numbers.of(values, part=1.0 if scaled else 0.0)
+    numbers = Numbers.of(values, part=1.0 if is_scaled else 0.0)
     return Content(hash_value(_REAL.sub("#", text)), {"numbers": numbers})
-
-
-def _of_workflow(source: bytes) -> Content:
-    """Return the content of Snakemake code: its words, without comments, docstrings and layout."""
-    words: list[tuple[int, str]] = []
-    for token in tokenize.tokenize(io.BytesIO(source).readline):
-        kind, text = token.type, token.string
-        if kind in (tokenize.COMMENT, tokenize.NL) or text.startswith('"""'):
-            continue
-        if kind == tokenize.INDENT:
-            text = ""  # However deep.
-        if kind == tokenize.STRING:
-            text = ast.dump(ast.parse(text, mode="eval"))  # Whatever its quotes.
-        if kind == tokenize.OP and text in ")]}" and words[-1][1] == ",":
-            words.pop()
-        words.append((kind, text))
-    return Content(hash_value(words), {})

@@ -1,4 +1,4 @@
-"""The software a step ran with."""
+"""The installed packages, Python and the platform that a step ran with."""
 
 from __future__ import annotations
 
@@ -7,32 +7,49 @@ import platform
 import re
 from importlib import metadata
 
+#: The extras of tusqh whose packages can affect results.
+EXTRAS = ("cli", "figures", "formats", "simulate", "verdict", "workflow")
+
 _FIELD = re.compile(r"^(Name|Version): (.*)$", re.MULTILINE)
 _REQUIRED = re.compile(r"^Requires-Dist: (.*)$", re.MULTILINE)
+_EXTRA = re.compile(r"extra == [\"']([\w-]+)[\"']")
 
 
 def installed_versions() -> dict[str, str]:
-    """Return the versions of tusqh's declared dependencies and of everything they need.
+    """Return the versions of tusqh, of its dependencies with `EXTRAS`, and of all they require.
 
-    Only packages that are installed are listed; extras of tusqh are left out.
+    Packages that are not installed, and optional dependencies of other packages, are omitted.
     """
     versions: dict[str, str] = {}
     queue = ["tusqh"]
     while queue:
+        name = queue.pop()
         try:
-            distribution = metadata.distribution(queue.pop())
+            distribution = metadata.distribution(name)
         except metadata.PackageNotFoundError:
             continue
-        # Parsing whole metadata files would take longer than many a step.
+        # Parsing whole metadata files would take longer than many steps.
         text = distribution.read_text("METADATA") or distribution.read_text("PKG-INFO") or ""
         fields = dict(_FIELD.findall(text.partition("\n\n")[0]))
         key = fields["Name"].lower().replace("_", "-")
-        if key in versions:
-            continue
-        versions[key] = fields["Version"]
-        required = [r for r in _REQUIRED.findall(text) if "extra ==" not in r]
-        queue += [re.split(r"[\s;<>=!~\[(]", r, maxsplit=1)[0] for r in required]
+        if key not in versions:
+            versions[key] = fields["Version"]
+            extras = EXTRAS if name == "tusqh" else ()
+            queue += _required_names(_REQUIRED.findall(text), extras)
     return dict(sorted(versions.items()))
+
+
+def _required_names(requirements: list[str], extras: tuple[str, ...]) -> list[str]:
+    """Return the names of required packages, those of other extras omitted.
+
+    >>> _required_names(["numpy>=2.0", 'mfem>=4.7; extra == "simulate"'], ())
+    ['numpy']
+    """
+    return [
+        re.split(r"[\s;<>=!~\[(]", requirement, maxsplit=1)[0]
+        for requirement in requirements
+        if (extra := _EXTRA.search(requirement)) is None or extra[1] in extras
+    ]
 
 
 def environment_fingerprint(versions: dict[str, str]) -> str:
@@ -46,3 +63,15 @@ def describe_platform() -> dict[str, str]:
     """Return the minor version of Python, the operating system and the processor family."""
     python = ".".join(platform.python_version_tuple()[:2])
     return {"python": python, "platform": f"{platform.system()} {platform.machine()}"}
+
+
+def changed_versions(was: dict[str, str], now: dict[str, str]) -> list[tuple[str, str]]:
+    """Return the packages whose versions differ, before and after, as ``numpy 2.4.6``.
+
+    >>> changed_versions({"numpy": "2.0", "vtk": "9"}, {"numpy": "2.1", "vtk": "9"})
+    [('numpy 2.0', 'numpy 2.1')]
+    """
+    names = sorted(name for name in was.keys() | now.keys() if was.get(name) != now.get(name))
+    return [
+        (f"{name} {was.get(name, 'absent')}", f"{name} {now.get(name, 'absent')}") for name in names
+    ]

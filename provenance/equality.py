@@ -1,97 +1,106 @@
-"""How equal two results must be, and how equal they are: exact, canonical, numeric or visual."""
+"""Classes of equality: how equal two results must be."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from enum import StrEnum
 from fnmatch import fnmatchcase
+from pathlib import Path
+
+import yaml
 
 from provenance.content import Content
+from tusqh.errors import ConfigError
 
 
 class Equality(StrEnum):
     """Classes of equality, the strictest first."""
 
-    #: The same bytes: Betti tables, thresholds, certificates.
+    #: The same bytes.
     EXACT = "exact"
-    #: The same content up to order and digits of writing: meshes, diagrams, fractions.
-    CANONICAL = "canonical"
-    #: Real numbers within a tolerance: fields, quality statistics.
+    #: Equal texts and whole numbers; real numbers agree within a tolerance.
     NUMERIC = "numeric"
-    #: Drawn from equal sources: figures, and pages that show them.
-    VISUAL = "visual"
-    #: Never the same twice: seconds, and what fTetWild makes.  Whatever they are, they are
-    #: reported so.
-    MEASURED = "measured"
+    #: Not compared, but made from equal inputs.
+    UNCHECKED = "unchecked"
 
 
-#: Largest difference of real numbers, relative to the largest of their column or field.
-TOLERANCE = {Equality.CANONICAL: 1e-9, Equality.NUMERIC: 1e-6}
-
-#: The class of every output, by the first pattern that fits; all others are exact.
-CLASSES = [
-    ("*_timing.csv", Equality.MEASURED),
-    # fTetWild makes another mesh every time; its rows enter the tables of all peers.
-    ("*/peers/pytetwild.csv", Equality.MEASURED),
-    ("results/tables/peers*.csv", Equality.MEASURED),
-    ("*.png", Equality.VISUAL),
-    ("*.svg", Equality.VISUAL),
-    ("*.pdf", Equality.VISUAL),
-    # Pages show tables and figures.
-    ("*.html", Equality.VISUAL),
-    ("results/page/*", Equality.VISUAL),
-    ("*/simulation/*", Equality.NUMERIC),
-    ("*/elements.csv", Equality.NUMERIC),
-    ("*/verdict.csv", Equality.NUMERIC),
-    ("*/defects.csv", Equality.NUMERIC),
-    ("*/facts.json", Equality.NUMERIC),
-    ("results/tables/*", Equality.NUMERIC),
-    ("*.vtu", Equality.CANONICAL),
-    ("*.vtp", Equality.CANONICAL),
-    ("*.npz", Equality.CANONICAL),
-    ("*/diagram.csv", Equality.CANONICAL),
-    ("*/export/*", Equality.CANONICAL),
-    # They name digests of files that are compared themselves.
-    ("*/certificate.json", Equality.CANONICAL),
-    ("*/ro-crate-metadata.json", Equality.CANONICAL),
-    # Comments in the copy of the workflow are free to change.
-    ("results/workflow/*", Equality.CANONICAL),
-]
-
-
-def class_of(path: str) -> Equality:
-    """Return the class that an output must reach.
-
-    >>> class_of("results/bay/curves.csv"), class_of("results/bay/figures/diagram.png")
-    (<Equality.EXACT: 'exact'>, <Equality.VISUAL: 'visual'>)
-    """
-    return next((kind for pattern, kind in CLASSES if fnmatchcase(path, pattern)), Equality.EXACT)
-
-
-def reached(required: Equality, one: Content | None, other: Content | None) -> Equality | None:
-    """Return the strictest class of two files whose bytes differ, None when they are different.
+@dataclass(frozen=True, kw_only=True)
+class EqualityRule:
+    """The class that results with some names must reach.
 
     Parameters
     ----------
-    required
-        The class that the file must reach; weaker ones are not tried.
-    one, other
-        What the two files say, None where that cannot be read.
-
-    Notes
-    -----
-    Figures reach `Equality.VISUAL` through their sources, which is for the caller to see.
+    pattern
+        A shell pattern for the whole path.
+    equality
+        The class.
+    tolerance
+        For `Equality.NUMERIC` the largest relative difference of real numbers, see
+        `provenance.content.Numbers.difference`.
     """
-    if one is None or other is None or required not in TOLERANCE:
-        return None
-    difference, _ = one.difference(other)
-    tried = [kind for kind in TOLERANCE if _order(kind) <= _order(required)]
-    return next((kind for kind in tried if difference <= TOLERANCE[kind]), None)
+
+    pattern: str
+    equality: Equality
+    tolerance: float = 0.0
 
 
-def weakest(classes: list[Equality]) -> Equality:
+class EqualityRules:
+    """The class of equality of every result; the first rule whose pattern fits decides.
+
+    Parameters
+    ----------
+    rules
+        Rules in the order in which they are tried.  A result that none fits must be exact.
+
+    Examples
+    --------
+    >>> rules = EqualityRules([EqualityRule(pattern="*.png", equality=Equality.UNCHECKED)])
+    >>> str(rules.of("results/bay/diagram.png").equality), str(rules.of("a.csv").equality)
+    ('unchecked', 'exact')
+    """
+
+    def __init__(self, rules: Sequence[EqualityRule] = ()) -> None:
+        self._rules = [*rules, EqualityRule(pattern="*", equality=Equality.EXACT)]
+
+    @classmethod
+    def from_file(cls, path: Path) -> EqualityRules:
+        """Return the rules in a YAML file, no rules if the file does not exist.
+
+        Raises
+        ------
+        ConfigError
+            The file is not a list of rules.
+        """
+        if not path.is_file():
+            return cls()
+        try:
+            entries = yaml.safe_load(path.read_text("utf-8"))
+            return cls(
+                [
+                    EqualityRule(**entry | {"equality": Equality(entry["equality"])})
+                    for entry in entries
+                ]
+            )
+        except (OSError, ValueError, KeyError, TypeError, yaml.YAMLError) as reason:
+            raise ConfigError(
+                f"cannot be read: {reason}",
+                where=str(path),
+                expected="a YAML list of entries with pattern, equality (exact, numeric or "
+                "unchecked) and, for numeric, tolerance",
+                remedy="correct the entry",
+            ) from reason
+
+    def of(self, path: str) -> EqualityRule:
+        """Return the rule for a result."""
+        return next(rule for rule in self._rules if fnmatchcase(path, rule.pattern))
+
+
+def is_numerically_equal(one: Content | None, other: Content | None, tolerance: float) -> bool:
+    """Return whether two contents agree within a relative tolerance; False if one is unknown."""
+    return one is not None and other is not None and one.difference(other)[0] <= tolerance
+
+
+def weakest(classes: Iterable[Equality]) -> Equality:
     """Return the weakest of some classes, exact when there are none."""
-    return max(classes, key=_order, default=Equality.EXACT)
-
-
-def _order(kind: Equality) -> int:
-    return list(Equality).index(kind)
+    return max(classes, key=list(Equality).index, default=Equality.EXACT)

@@ -1,4 +1,4 @@
-"""What a verification finds, and the verdict that follows."""
+"""Findings of a verification, and the verdict that follows from them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from enum import IntEnum
 
 
 class Outcome(IntEnum):
-    """What a finding means, and the exit code when it is the gravest."""
+    """The meaning of a finding, and the exit code when it is the gravest."""
 
     SAME = 0
     DIFFERENT = 1
@@ -20,26 +20,26 @@ class Outcome(IntEnum):
         return self.name.lower().replace("_", " ")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Finding:
-    """One thing that a reader should know, with what mends it.
+    """One thing that a reader should know, and how to fix it.
 
     Parameters
     ----------
     outcome
-        What it means; `Outcome.SAME` for a remark that changes nothing.
+        Its meaning; `Outcome.SAME` for a remark that does not affect the verdict.
     step
-        The step it is about, several after `merge`; empty when it is about no step.
+        The step concerned, several after `merge`; empty when it concerns no step.
     file
-        The file, or the part of a record, that it was found in.
+        The file, or the part of a record, that it concerns.
     found, expected
-        What is there and what should be.
+        What is there and what should be there.
     remedy
-        The command that mends it, or what to do.
+        The command that fixes it, or what to do.
     """
 
     outcome: Outcome
-    step: str
+    step: str = ""
     file: str
     found: str
     expected: str
@@ -47,7 +47,7 @@ class Finding:
 
 
 def verdict(findings: Iterable[Finding]) -> Outcome:
-    """Return different when anything is, else cannot tell when anything could not be compared."""
+    """Return different if any finding is, else cannot tell if any is, else same."""
     outcomes = {finding.outcome for finding in findings}
     return next(
         (o for o in (Outcome.DIFFERENT, Outcome.CANNOT_TELL) if o in outcomes), Outcome.SAME
@@ -55,16 +55,16 @@ def verdict(findings: Iterable[Finding]) -> Outcome:
 
 
 def merge(findings: Iterable[Finding]) -> list[Finding]:
-    """Return findings that say the same of several steps as one that names them all."""
+    """Merge findings that are equal but for the step, and sort them, the gravest first."""
     groups: dict[Finding, list[str]] = {}
     for finding in findings:
         groups.setdefault(replace(finding, step=""), []).append(finding.step)
-    merged = [replace(finding, step=_name(steps)) for finding, steps in groups.items()]
+    merged = [replace(finding, step=_list_steps(steps)) for finding, steps in groups.items()]
     gravity = [Outcome.DIFFERENT, Outcome.CANNOT_TELL, Outcome.SAME]
     return sorted(merged, key=lambda finding: gravity.index(finding.outcome))
 
 
-def _name(steps: list[str], shown: int = 3) -> str:
+def _list_steps(steps: list[str], shown: int = 3) -> str:
     names = list(dict.fromkeys(filter(None, steps)))
     more = f" and {len(names) - shown} more steps" if len(names) > shown else ""
     return ", ".join(names[:shown]) + more

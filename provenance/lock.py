@@ -1,7 +1,7 @@
-"""The lock: what the results were when somebody said that they are right.
+"""The lock: the results that `tusqh lock` accepted.
 
-It holds every output's digest, the class of equality that it must reach and, for all but exact
-classes, what it says.  Only `tusqh lock` changes it.
+For each output it holds the digest, the class of equality that it must reach and, if real numbers
+are compared, its content.  Only `tusqh lock` changes it.
 """
 
 from __future__ import annotations
@@ -13,43 +13,30 @@ from typing import Any
 
 import jsonschema
 
-from provenance.content import read_content
 from provenance.environment import describe_platform, installed_versions
-from provenance.equality import TOLERANCE, Equality, class_of
+from provenance.equality import Equality, EqualityRules
 from provenance.plan import Plan
+from provenance.read_content import read_content
 from provenance.stored import Record, read_code_list
 from tusqh.atomic import write_text
 from tusqh.errors import ConfigError
 from tusqh.hashing import canonical_json
 
-#: Where the lock is, beside the results.
+#: The lock, beside the results.
 LOCK = Path("results/lock.json")
-_VERSION = 1
-
-
-def _object(*, each: Any = None, **properties: Any) -> dict[str, Any]:
-    """Return the schema of an object with these properties, or with any of one kind."""
-    others = {} if each is None else {"additionalProperties": each}
-    return {"type": "object", "required": list(properties), "properties": properties, **others}
-
-
-_TEXT = {"type": "string"}
-_TEXTS = _object(each=_TEXT)
-_NUMBERS = _object(scale={"type": ["number", "string"]}, values={"type": "array"})
-_OUTPUT = _object(**{"class": {"enum": [str(kind) for kind in Equality]}, "sha256": _TEXT})
-_OUTPUT["properties"]["content"] = _object(skeleton=_TEXT, numbers=_object(each=_NUMBERS))
-_STEP = _object(parameters={"type": "object"}, code=_TEXT, outputs=_object(each=_OUTPUT))
-_SCHEMA = _object(
-    lock={"const": _VERSION},
-    environment=_object(versions=_TEXTS, python=_TEXT, platform=_TEXT),
-    code=_TEXTS,
-    sources=_TEXTS,
-    steps=_object(each=_STEP),
-)
+_VERSION = 2
 
 
 def make_lock(plan: Plan, records: dict[str, Record]) -> dict[str, Any]:
-    """Return the lock of the results that are there; every step must have its record."""
+    """Return the lock of the results in the current folder.
+
+    Parameters
+    ----------
+    plan
+        The steps of the workflow.
+    records
+        The record of each of them, by its key.
+    """
     code: dict[str, str] = {}
     sources: dict[str, str] = {}
     steps = {}
@@ -61,7 +48,10 @@ def make_lock(plan: Plan, records: dict[str, Record]) -> dict[str, Any]:
         steps[step.key] = {
             "parameters": record.what["parameters"],
             "code": record.what["code"]["sha256"],
-            "outputs": {path: _entry(path, digest) for path, digest in record.outputs.items()},
+            "outputs": {
+                path: _describe_output(path, digest, plan.equality)
+                for path, digest in record.outputs.items()
+            },
         }
     return {
         "lock": _VERSION,
@@ -72,19 +62,24 @@ def make_lock(plan: Plan, records: dict[str, Record]) -> dict[str, Any]:
     }
 
 
-def _entry(path: str, digest: str) -> dict[str, Any]:
-    kind = class_of(path)
-    entry: dict[str, Any] = {"class": str(kind), "sha256": digest}
-    content = read_content(Path(path)) if kind in TOLERANCE else None
-    return entry if content is None else entry | {"content": content.to_dict()}
+def _describe_output(path: str, digest: str, equality: EqualityRules) -> dict[str, Any]:
+    rule = equality.of(path)
+    entry: dict[str, Any] = {"equality": str(rule.equality), "sha256": digest}
+    if rule.equality is Equality.NUMERIC:
+        entry["tolerance"] = rule.tolerance
+        content = read_content(Path(path))
+        if content is not None:
+            entry["content"] = content.to_dict()
+    return entry
 
 
 def write_lock(lock: dict[str, Any], path: Path) -> None:
-    """Write a lock with one line per output, which differences are easy to read in."""
+    """Write a lock with one line per output, so that differences are easy to read."""
     outputs: dict[str, str] = {}
 
     def shelve(entry: dict[str, Any]) -> str:
-        outputs[name := f"@{len(outputs)}@"] = json.dumps(entry, sort_keys=True)
+        name = f"@{len(outputs)}@"
+        outputs[name] = json.dumps(entry, sort_keys=True)
         return name
 
     steps = {
@@ -96,42 +91,40 @@ def write_lock(lock: dict[str, Any], path: Path) -> None:
 
 
 def read_lock(path: Path) -> dict[str, Any] | None:
-    """Return the lock in a file, None when there is none.
+    """Return the lock in a file, None if the file does not exist.
 
     Raises
     ------
     ConfigError
-        The file is no lock.
+        The file is not a lock of this version.
     """
     if not path.is_file():
         return None
+    schema = json.loads((Path(__file__).parent / "schemas/lock.schema.json").read_text("utf-8"))
     try:
         lock = json.loads(path.read_text("utf-8"))
-        jsonschema.validate(lock, _SCHEMA)
+        jsonschema.validate(lock, schema)
     except (OSError, ValueError, jsonschema.ValidationError) as reason:
         raise ConfigError(
             f"cannot be read as a lock: {str(reason).splitlines()[0]}",
             where=str(path),
-            expected=f"a file that `tusqh lock` wrote, of version {_VERSION}",
+            expected=f"a file that `tusqh lock` wrote, version {_VERSION}",
             remedy=f"git checkout {path}, or tusqh lock to make a new one",
         ) from reason
     return dict(lock)
 
 
 def changed_outputs(old: dict[str, Any] | None, new: dict[str, Any]) -> list[tuple[str, str]]:
-    """Return the outputs that two locks know differently: added, removed or changed."""
-    before, after = (
-        {
-            path: entry["sha256"]
-            for step in (lock or {"steps": {}})["steps"].values()
-            for path, entry in step["outputs"].items()
-        }
-        for lock in (old, new)
-    )
-    changes = []
-    for path in sorted(before.keys() | after.keys()):
-        if before.get(path) != after.get(path):
-            known = (path in before, path in after)
-            change = {(True, True): "changed", (True, False): "removed", (False, True): "added"}
-            changes.append((path, change[known]))
-    return changes
+    """Return the outputs in which two locks differ, each with "added", "removed" or "changed"."""
+    before, after = _digests(old), _digests(new)
+    changes = [(path, "added") for path in after.keys() - before.keys()]
+    changes += [(path, "removed") for path in before.keys() - after.keys()]
+    both = before.keys() & after.keys()
+    changes += [(path, "changed") for path in both if before[path] != after[path]]
+    return sorted(changes)
+
+
+def _digests(lock: dict[str, Any] | None) -> dict[str, str]:
+    """Return the SHA-256 of each output in a lock."""
+    steps = lock["steps"].values() if lock else []
+    return {path: entry["sha256"] for step in steps for path, entry in step["outputs"].items()}

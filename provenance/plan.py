@@ -1,6 +1,6 @@
-"""What the workflow would do today: every step with its files, parameters and code.
+"""The steps that the workflow would run today, each with its files, parameters and code.
 
-Snakemake makes the plan, so it has all that a record should have, from the present configuration.
+Snakemake makes the plan from the current configuration.
 """
 
 from __future__ import annotations
@@ -12,15 +12,22 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from provenance.equality import EqualityRules
 from provenance.record import RECORD_OUTPUTS, inputs_of
 from tusqh.errors import ConfigError
 
-_REMEDY = "run the same with snakemake instead of tusqh verify, which says more"
+#: The classes of equality of results, in the checkout.
+EQUALITY = Path("workflow/equality.yaml")
+
+_REMEDY = "run snakemake with the same options, which explains more"
+#: The versions of Snakemake whose graph of jobs `_load` can read.
+_SNAKEMAKE = "9."
 
 
 @dataclass(frozen=True)
@@ -30,15 +37,15 @@ class Step:
     Parameters
     ----------
     key
-        Its name among all: ``chesapeake/mesh``, ``tables``; where its record is.
+        Its unique name, which is also the path of its record: ``chesapeake/mesh``, ``tables``.
     rule, model
-        The rule, and the model it is run for, if any.
+        The rule, and its model, if it has one.
     parameters, code
-        As its record would have them.
+        The parameters and the code as its record would state them.
     inputs, outputs
-        Names of files, sorted; the records are not among the outputs.
+        Sorted names of files; the outputs do not include the records.
     record, record_how
-        Where its records are.
+        Paths of its records.
     """
 
     key: str
@@ -54,22 +61,22 @@ class Step:
 
 @dataclass(frozen=True)
 class Plan:
-    """All steps of the workflow as it would run today, in the order they depend on each other.
+    """All steps of the workflow as it would run today, each after the steps that it depends on.
 
     Parameters
     ----------
     steps
-        By key.
+        The steps by key.
     maker
         The step that makes each file.
     command
-        The command that runs the workflow so.
+        The command that runs this workflow.
     base
         The checkout.
     snakefile
         The workflow.
     config_files, given_config_files
-        The configuration files that were read, and those among them that were asked for.
+        The configuration files that were read, and those of them that were given by an option.
     """
 
     steps: dict[str, Step]
@@ -82,32 +89,45 @@ class Plan:
 
     @cached_property
     def recorder(self) -> dict[str, Step]:
-        """The step that each record is of; some steps read the records of others."""
+        """The step that writes each record; some steps read the records of others."""
         return {str(step.record): step for step in self.steps.values()}
 
+    @cached_property
+    def equality(self) -> EqualityRules:
+        """The class of equality of each output, from `EQUALITY` in the checkout."""
+        return EqualityRules.from_file(self.base / EQUALITY)
+
     def rerun(self, file: str) -> str:
-        """Return the command that makes a file again, and then whatever depends on it."""
+        """Return the command that makes a file again, and everything that depends on it."""
         return f"{self.command} --forcerun {shlex.quote(file)}"
 
     def remake(self, *files: str) -> str:
-        """Return the command that makes some files again, whatever Snakemake thinks of them."""
+        """Return the command that makes files again even if Snakemake takes them to be current."""
         return f"{self.command} --force -- {shlex.join(files)}"
 
 
 def make_plan(snakefile: Path, config_files: Sequence[Path] = ()) -> Plan:
-    """Return what the workflow would do today in the present folder.
+    """Return the steps that the workflow would run today in the current folder.
+
+    Parameters
+    ----------
+    snakefile
+        The workflow.
+    config_files
+        Configuration files, as for ``snakemake --configfile``.
 
     Raises
     ------
     ConfigError
-        There is no workflow, or it cannot be planned: a wrong configuration, a missing source.
+        There is no workflow, or it cannot be planned: a wrong configuration, a missing source, an
+        unsupported version of Snakemake.
     """
     if not snakefile.is_file():
         raise ConfigError(
             "there is no workflow here",
             where=str(snakefile),
             expected="a Snakefile",
-            remedy="run the command in the folder that has it, or name it with --snakefile",
+            remedy="run the command in the folder of the Snakefile, or use --snakefile",
         )
     workflow = _load(snakefile, config_files)
     steps = {}
@@ -131,7 +151,12 @@ def make_plan(snakefile: Path, config_files: Sequence[Path] = ()) -> Plan:
 
 
 def _load(snakefile: Path, config_files: Sequence[Path]) -> Any:
-    """Return Snakemake's workflow with its graph of jobs."""
+    """Return Snakemake's workflow with its graph of jobs.
+
+    Snakemake has no public access to the jobs of a graph, so this reads a private attribute, in
+    this place only and only for the versions `_SNAKEMAKE`.
+    """
+    _require_snakemake()
     from snakemake.api import SnakemakeApi
     from snakemake.exceptions import WorkflowError
     from snakemake.settings.types import (
@@ -150,7 +175,7 @@ def _load(snakefile: Path, config_files: Sequence[Path]) -> Any:
                 config_settings=ConfigSettings(configfiles=list(config_files)),
                 snakefile=snakefile,
             )
-            # The call builds the graph of jobs; what it prints is of no interest.
+            # This call builds the graph of jobs; its output is discarded.
             workflow.dag(DAGSettings()).printrulegraph()
             return workflow._workflow
     except (WorkflowError, OSError, SyntaxError, ValueError, yaml.YAMLError) as reason:
@@ -162,8 +187,20 @@ def _load(snakefile: Path, config_files: Sequence[Path]) -> Any:
         ) from reason
 
 
+def _require_snakemake() -> None:
+    """Raise unless the version of Snakemake is one that `_load` can read."""
+    version = metadata.version("snakemake")
+    if not version.startswith(_SNAKEMAKE):
+        raise ConfigError(
+            f"version {version}",
+            where="snakemake",
+            expected=f"version {_SNAKEMAKE}*, whose graph of jobs tusqh can read",
+            remedy="pip install -r requirements.lock",
+        )
+
+
 def _step(job: Any) -> Step:
-    # What a record holds has been through JSON: lists for tuples, plain numbers.
+    # Records are JSON, so parameters are compared as JSON: lists for tuples, plain numbers.
     parameters = json.loads(json.dumps(dict(job.params.items())))
     code = parameters.pop("code")
     outputs = {name: str(getattr(job.output, name)) for name in RECORD_OUTPUTS}

@@ -1,4 +1,4 @@
-"""Make a model anew in an empty folder, and compare with what is here."""
+"""Making a model again in an empty folder, and comparing it with the results here."""
 
 from __future__ import annotations
 
@@ -7,27 +7,65 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
-from provenance.check import DIFFERENT, SAME, short
-from provenance.content import read_content
-from provenance.equality import Equality, class_of, reached
-from provenance.findings import Finding
-from provenance.plan import Plan
+from provenance.digests import shorten
+from provenance.equality import Equality, is_numerically_equal
+from provenance.findings import Finding, Outcome
+from provenance.plan import Plan, Step
+from provenance.read_content import read_content
 from provenance.stored import Record
 from tusqh.errors import ProvenanceError
 from tusqh.hashing import hash_file
 
+#: Makes some files of a plan in a folder.
+Runner = Callable[[Plan, Path, list[str]], None]
 
-def rebuild_model(model: str, plan: Plan, records: dict[str, Record]) -> list[Finding]:
-    """Run all steps of a model in a temporary folder, and compare every output.
 
-    The log goes to the terminal while the steps run.
+def run_snakemake(plan: Plan, folder: Path, targets: list[str]) -> None:
+    """Make files of a plan in a folder; the log goes to the terminal.
 
     Raises
     ------
     ProvenanceError
-        There is no such model, or a step fails.
+        A step fails.
+    """
+    command = [sys.executable, "-m", "snakemake", "--cores", "all", "--directory", str(folder)]
+    command += ["--snakefile", str(plan.snakefile.resolve())]
+    if plan.given_config_files:
+        command.append("--configfile")
+        command += [str(path.resolve()) for path in plan.given_config_files]
+    done = subprocess.run([*command, "--", *targets], stdout=sys.stderr)
+    if done.returncode:
+        raise ProvenanceError(
+            f"snakemake ended with exit code {done.returncode}",
+            where=f"rebuilding {targets[0].split('/')[1]}",
+            expected="all steps to succeed",
+            remedy="read its messages above: they name the step that failed and the reason",
+        )
+
+
+def rebuild_model(
+    model: str, plan: Plan, records: dict[str, Record], *, run: Runner = run_snakemake
+) -> list[Finding]:
+    """Run all steps of a model in a temporary folder, and compare each output.
+
+    Parameters
+    ----------
+    model
+        The model.
+    plan
+        The steps that the workflow would run today.
+    records
+        The records of the steps that ran, by the key of the step.
+    run
+        Makes the files.
+
+    Raises
+    ------
+    ProvenanceError
+        The model does not exist, or a step fails.
     """
     steps = [step for step in plan.steps.values() if step.model == model]
     if not steps:
@@ -46,23 +84,8 @@ def rebuild_model(model: str, plan: Plan, records: dict[str, Record]) -> list[Fi
             if path.is_file() and not path.is_absolute():
                 (folder / path).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(path, folder / path)
-        _run(plan, folder, sorted(made))
+        run(plan, folder, sorted(made))
         return _compare(model, folder, plan, records)
-
-
-def _run(plan: Plan, folder: Path, targets: list[str]) -> None:
-    command = [sys.executable, "-m", "snakemake", "--cores", "all", "--directory", str(folder)]
-    command += ["--snakefile", str(plan.snakefile.resolve())]
-    if plan.given_config_files:
-        command += ["--configfile", *(str(p.resolve()) for p in plan.given_config_files)]
-    done = subprocess.run([*command, "--", *targets], stdout=sys.stderr)
-    if done.returncode:
-        raise ProvenanceError(
-            f"snakemake ended with exit code {done.returncode}",
-            where=f"rebuilding {targets[0].split('/')[1]}",
-            expected="all steps to succeed",
-            remedy="its messages above say which step failed and why",
-        )
 
 
 def _compare(model: str, folder: Path, plan: Plan, records: dict[str, Record]) -> list[Finding]:
@@ -74,23 +97,43 @@ def _compare(model: str, folder: Path, plan: Plan, records: dict[str, Record]) -
             continue
         for path in step.outputs:
             new, old = hash_file(folder / path), record.outputs.get(path, "")
-            kind = Equality.EXACT if new == old else None
-            if kind is None and class_of(path) is Equality.MEASURED:
-                kind = Equality.MEASURED
-            elif kind is None and class_of(path) is Equality.VISUAL:
-                same = all(classes.get(source, Equality.EXACT) for source in step.inputs)
-                kind = Equality.VISUAL if same else None
-            elif kind is None and Path(path).is_file():
-                kind = reached(
-                    class_of(path), read_content(folder / path), read_content(Path(path))
+            classes[path] = (
+                Equality.EXACT if new == old else _reach(path, folder, plan, step, classes)
+            )
+            if classes[path] is None:
+                findings.append(
+                    Finding(
+                        outcome=Outcome.DIFFERENT,
+                        step=key,
+                        file=path,
+                        found=f"{shorten(new)} when made again",
+                        expected=f"{shorten(old)} as recorded, "
+                        f"equality {plan.equality.of(path).equality}",
+                        remedy=f"{plan.remake(path)}; tusqh trace {path}",
+                    )
                 )
-            classes[path] = kind
-            if kind is None:
-                expected = f"{short(old)} as recorded, class {class_of(path)}"
-                remedy = f"{plan.remake(path)}; tusqh trace {path}"
-                found = f"{short(new)} when made anew"
-                findings.append(Finding(DIFFERENT, key, path, found, expected, remedy))
     counts = Counter(str(kind or "different") for kind in classes.values())
     text = ", ".join(f"{n} {kind}" for kind, n in counts.items())
-    found, expected = f"{len(classes)} outputs made anew: {text}", "each equal in its class"
-    return [*findings, Finding(SAME, model, "rebuild", found, expected, "nothing")]
+    note = Finding(
+        outcome=Outcome.SAME,
+        step=model,
+        file="rebuild",
+        found=f"{len(classes)} outputs made again: {text}",
+        expected="each reaches its class of equality",
+        remedy="nothing",
+    )
+    return [*findings, note]
+
+
+def _reach(
+    path: str, folder: Path, plan: Plan, step: Step, classes: dict[str, Equality | None]
+) -> Equality | None:
+    """Return the class that a file whose bytes differ reaches, given those of its inputs."""
+    rule = plan.equality.of(path)
+    if rule.equality is Equality.UNCHECKED:
+        is_same = all(classes.get(source, Equality.EXACT) for source in step.inputs)
+        return Equality.UNCHECKED if is_same else None
+    if rule.equality is Equality.NUMERIC and Path(path).is_file():
+        new, old = read_content(folder / path), read_content(Path(path))
+        return Equality.NUMERIC if is_numerically_equal(new, old, rule.tolerance) else None
+    return None

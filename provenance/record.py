@@ -1,7 +1,7 @@
-"""The record every step leaves: what it read, wrote and used, and how it ran.
+"""The record of a step: what it read, wrote and used, and how it ran.
 
-Two files: `what` is the same wherever and whenever the step is repeated; `how` has times, host
-and versions in use.  Both appear only after the step succeeded.
+It consists of two files: `what` is the same whenever and wherever the step is repeated; `how`
+contains times, host and installed versions.  Both are written only after the step has succeeded.
 """
 
 from __future__ import annotations
@@ -26,22 +26,28 @@ from tusqh.errors import TusqhError
 from tusqh.geometry.packaged import PACKAGE, locate
 from tusqh.hashing import canonical_json, hash_file
 
-#: Names of the two outputs of every rule that are records themselves.
+#: The two outputs of each rule that are its records.
 RECORD_OUTPUTS = ("record", "record_how")
 
 
 @contextmanager
 def recorded(snakemake: Any) -> Iterator[logging.Logger]:
-    """Run the body of a rule's script: log to the rule's log, record it when it succeeded.
+    """Run the body of a rule's script with its log, and record the step when it has succeeded.
 
-    Figures get the mark of their source, see `provenance.stamp`.  A `TusqhError` ends the
-    process with its message instead of a traceback.
+    Figures get a mark of their source, see `provenance.stamp`.  A `TusqhError` ends the process
+    with its message instead of a traceback.
 
     Parameters
     ----------
     snakemake
-        The object that Snakemake gives to scripts.  The rule has the outputs `record` and
-        `record_how`, a log, the parameter `code`, and all it depends on as inputs and params.
+        The object that Snakemake passes to scripts.  The rule has the outputs `record` and
+        `record_how`, a log and the parameter `code`; all that the script depends on is among its
+        inputs and parameters.
+
+    Yields
+    ------
+    logging.Logger
+        The logger of tusqh, which writes to the log of the rule and to the terminal.
     """
     logger = _logger(Path(snakemake.log[0]), _label(snakemake))
     started = datetime.now(UTC)
@@ -75,7 +81,7 @@ def recorded(snakemake: Any) -> Iterator[logging.Logger]:
 
 
 def inputs_of(files: Iterable[str], parameters: dict[str, Any]) -> list[str]:
-    """Return all files that a step reads: its inputs and what lies inside installed packages.
+    """Return the files that a step reads: its inputs, and files inside installed packages.
 
     >>> inputs_of(["b.csv", "a.csv"], {"source": {"geometry": "package:pyvista/airplane.ply"}})
     ['a.csv', 'b.csv', 'package:pyvista/airplane.ply']
@@ -84,7 +90,7 @@ def inputs_of(files: Iterable[str], parameters: dict[str, Any]) -> list[str]:
 
 
 def _packaged(value: Any) -> set[str]:
-    """Return the names of files inside packages among parameters, nested ones included."""
+    """Return the names of files inside packages among parameters, nested or not."""
     if isinstance(value, dict | list):
         items = value.values() if isinstance(value, dict) else value
         return set().union(*map(_packaged, items))
@@ -92,7 +98,7 @@ def _packaged(value: Any) -> set[str]:
 
 
 def describe_file(name: str) -> dict[str, Any]:
-    """Return path, SHA-256 and size of a file, which may lie inside an installed package."""
+    """Return the path, SHA-256 and size of a file, which may be inside an installed package."""
     path = locate(name)
     return {"path": name, "sha256": hash_file(path), "size": path.stat().st_size}
 
@@ -122,7 +128,7 @@ def _label(snakemake: Any) -> str:
 
 
 def _logger(path: Path, label: str) -> logging.Logger:
-    """Return the logger of the package, writing to the rule's log and to the terminal."""
+    """Return the logger of tusqh, set up to write to the rule's log and to the terminal."""
     logger = logging.getLogger("tusqh")
     logger.setLevel(logging.INFO)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -138,7 +144,7 @@ def _results(output: Any) -> set[str]:
 
 
 def _git_state() -> dict[str, Any]:
-    """Return the commit checked out and whether files differ from it; None without git."""
+    """Return the current commit and whether files differ from it, None without git."""
     try:
         commit = _git("rev-parse", "HEAD")
         return {"commit": commit, "dirty": bool(_git("status", "--porcelain"))}

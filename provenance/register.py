@@ -1,4 +1,4 @@
-"""The register of data: where every source comes from, under which licence, with which digest."""
+"""The register of data: the origin, licence and digest of each source."""
 
 from __future__ import annotations
 
@@ -7,17 +7,21 @@ from pathlib import Path
 
 from tusqh.errors import ProvenanceError
 
-#: The register in a checkout, and in any folder that has its own.
+#: The register, relative to a checkout or to a folder with a register of its own.
 REGISTER = Path("data_sources/register.csv")
 
-
-_COLUMNS = {"file", "origin", "url", "licence", "sha256"}
+_REQUIRED = {"file", "origin", "url", "licence", "sha256"}
 
 
 def read_register(*folders: Path) -> dict[str, dict[str, str]]:
-    """Return the rows of the first register that is there, by the name of their file.
+    """Return the rows of the first register that exists in some folders, by file.
 
-    A file with several models has one entry, that of the first.
+    If several models use one file, its row is that of the first model.
+
+    Parameters
+    ----------
+    *folders
+        Folders to search for `REGISTER`.
 
     Raises
     ------
@@ -30,12 +34,12 @@ def read_register(*folders: Path) -> dict[str, dict[str, str]]:
     try:
         with path.open(encoding="utf-8", newline="") as stream:
             reader = csv.DictReader(stream)
-            missing = sorted(_COLUMNS - set(reader.fieldnames or []))
+            missing = sorted(_REQUIRED - set(reader.fieldnames or []))
             rows = [row for row in reader if row.get("file")]
     except (OSError, UnicodeDecodeError, csv.Error) as reason:
         raise _broken(path, str(reason)) from reason
     if missing:
-        raise _broken(path, f"there is no column {', '.join(missing)}")
+        raise _broken(path, f"the column {', '.join(missing)} is missing")
     return {row["file"]: row for row in reversed(rows)}
 
 
@@ -43,6 +47,6 @@ def _broken(path: Path, found: str) -> ProvenanceError:
     return ProvenanceError(
         found,
         where=str(path),
-        expected=f"a CSV file with the columns {', '.join(sorted(_COLUMNS))}",
+        expected=f"a CSV file with the columns {', '.join(sorted(_REQUIRED))}",
         remedy=f"git checkout {path}",
     )

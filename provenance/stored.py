@@ -1,16 +1,18 @@
-"""The records that are there: what every step left when it last succeeded."""
+"""Reading the records that steps left when they last succeeded."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
+import jsonschema
+
 from tusqh.hashing import canonical_json, hash_value
 
-#: Where all records are, and in it the files that each fingerprint of code stands for.
+#: The folder of all records, and its subfolder for the lists of code behind each fingerprint.
 RECORDS = Path("results/provenance")
 CODE = "code"
 
@@ -19,14 +21,14 @@ _HOW = ".how.json"
 
 @dataclass(frozen=True)
 class Record:
-    """A record as it was read.
+    """A record of a step.
 
     Parameters
     ----------
     what, how
         Its two parts; `how` is empty when it cannot be read.
     problem
-        Why it is not as a step writes it; empty when it is.
+        Why a step cannot have written it; empty if one can.
     """
 
     what: dict[str, Any]
@@ -35,17 +37,17 @@ class Record:
 
     @property
     def outputs(self) -> dict[str, str]:
-        """The SHA-256 of every output."""
+        """The SHA-256 of each output."""
         return {entry["path"]: entry["sha256"] for entry in self.what["outputs"]}
 
     @property
     def inputs(self) -> dict[str, str]:
-        """The SHA-256 of every input."""
+        """The SHA-256 of each input."""
         return {entry["path"]: entry["sha256"] for entry in self.what["inputs"]}
 
 
 def read_records(folder: Path = RECORDS) -> dict[str, Record]:
-    """Return all records by the key of their step, ``chesapeake/mesh`` or ``tables``."""
+    """Return all records in a folder by the key of their step, such as ``chesapeake/mesh``."""
     found = {}
     for path in sorted(folder.rglob("*.json")):
         if path.name.endswith(_HOW) or path.name.startswith(".") or path.parent == folder / CODE:
@@ -56,62 +58,31 @@ def read_records(folder: Path = RECORDS) -> dict[str, Record]:
 
 
 def read_code_list(fingerprint: str, folder: Path = RECORDS) -> dict[str, str]:
-    """Return the files that a fingerprint of code stands for; empty when that is not known."""
-    files = _json(folder / CODE / f"{fingerprint}.json")
+    """Return the files behind a fingerprint of code with their SHA-256, empty if unknown."""
+    files = _read_object(folder / CODE / f"{fingerprint}.json")
     return files if hash_value(files) == fingerprint else {}
 
 
 def _read(path: Path) -> Record:
-    how = _json(path.with_name(path.stem + _HOW))
-    what = _json(path)
-    odd = _find_odd(what)
-    if odd:
-        problem = f"is not as a step writes it: {', '.join(odd)}"
-        return Record({"outputs": [], "inputs": []}, how, problem)
+    how = _read_object(path.with_name(path.stem + _HOW))
+    what = _read_object(path)
+    problem = jsonschema.exceptions.best_match(_validator().iter_errors(what))
+    if problem is not None:
+        where = ": ".join(map(str, [*problem.absolute_path, problem.message]))
+        return Record({"outputs": [], "inputs": []}, how, f"does not follow the schema: {where}")
     if path.read_text("utf-8") != canonical_json(what):
-        return Record(what, how, "was written by something else than a step")
+        return Record(what, how, "was not written by a workflow step")
     return Record(what, how)
 
 
-def _find_odd(what: dict[str, Any]) -> list[str]:
-    """Return the parts of a record that are missing, unknown or of the wrong kind."""
-    if not what:
-        return ["no JSON object"]
-    return sorted(what.keys() ^ _KINDS.keys()) or [
-        key for key, is_right in _KINDS.items() if not is_right(what[key])
-    ]
+@cache
+def _validator() -> jsonschema.Draft202012Validator:
+    schema = Path(__file__).parent / "schemas/record.schema.json"
+    return jsonschema.Draft202012Validator(json.loads(schema.read_text("utf-8")))
 
 
-def _are_files(value: Any) -> bool:
-    return isinstance(value, list) and all(
-        isinstance(entry, dict)
-        and entry.keys() == _FILE.keys()
-        and all(isinstance(entry[key], kind) for key, kind in _FILE.items())
-        for entry in value
-    )
-
-
-def _is_code(value: Any) -> bool:
-    return (
-        isinstance(value, dict)
-        and value.keys() == {"script", "sha256"}
-        and all(isinstance(text, str) for text in value.values())
-    )
-
-
-_FILE = {"path": str, "sha256": str, "size": int}
-_KINDS: dict[str, Callable[[Any], bool]] = {
-    "step": lambda value: isinstance(value, str),
-    "model": lambda value: value is None or isinstance(value, str),
-    "parameters": lambda value: isinstance(value, dict),
-    "code": _is_code,
-    "inputs": _are_files,
-    "outputs": _are_files,
-    "environment": lambda value: isinstance(value, str),
-}
-
-
-def _json(path: Path) -> dict[str, Any]:
+def _read_object(path: Path) -> dict[str, Any]:
+    """Return the JSON object in a file, empty if there is none."""
     try:
         content = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError):

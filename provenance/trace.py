@@ -1,4 +1,4 @@
-"""Where a file comes from: every step and source behind it, down to the register of data."""
+"""The origin of a file: the steps and sources behind it, down to the register of data."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from provenance.check import digest_now
+from provenance.digests import Digests
 from provenance.stamp import read_mark, source_mark
 from provenance.stored import RECORDS, Record
 from tusqh.errors import ProvenanceError
@@ -15,22 +15,22 @@ from tusqh.hashing import hash_file
 
 @dataclass(frozen=True)
 class Origin:
-    """A file and what it was made of.
+    """A file and what it was made from.
 
     Parameters
     ----------
     path, sha256
         The file, and its digest when it was written or read.
     is_same
-        Whether the file is still so.
+        Whether it still has that digest.
     step
-        What made it, empty for a source.
+        The step that made it, empty for a source.
     parameters, code
-        What the step was told, and the script it ran.
+        The parameters and the script of the step.
     source
-        The row of the register of data, empty when it has none.
+        Its row in the register of data, empty if it has none.
     inputs
-        What the step read.
+        The inputs of the step.
     """
 
     path: str
@@ -45,34 +45,46 @@ class Origin:
 
 @dataclass(frozen=True)
 class Match:
-    """Which recorded output a file is.
+    """The recorded file that some file was identified as.
 
     Parameters
     ----------
     path
-        The output.
+        The recorded output or source.
     how
-        Why: its name, its bytes, or the mark in it.
+        How it was identified: by its bytes, its mark or its name.
+    is_same
+        Whether its bytes are the recorded ones, or it has the mark of the recorded figure.
     """
 
     path: str
     how: str
+    is_same: bool = True
 
 
-def find_output(path: Path, records: dict[str, Record]) -> Match:
-    """Return which recorded output or source a file is, wherever it lies.
+def find_output(path: Path, records: dict[str, Record], digests: Digests) -> Match:
+    """Identify a file as a recorded output or source, wherever it is.
 
-    By its bytes, else by the mark of its source in a figure, else by its name.
+    It is identified by its bytes, else by the mark in a figure, else by its name.
+
+    Parameters
+    ----------
+    path
+        The file.
+    records
+        All records by the key of their step.
+    digests
+        Digests of the files in the current folder.
 
     Raises
     ------
     ProvenanceError
-        No record knows it.
+        No record contains it.
     """
     name = path.as_posix()
     known = {p: digest for r in records.values() for p, digest in (r.outputs | r.inputs).items()}
     mark = None
-    if name in known and digest_now(name) == known[name]:
+    if name in known and digests.of(name) == known[name]:
         return Match(name, "as recorded")
     if path.is_file():
         digest = hash_file(path)
@@ -84,26 +96,28 @@ def find_output(path: Path, records: dict[str, Record]) -> Match:
             figure = str(mark and mark.get("file"))
             is_known = figure in record.outputs and not record.problem
             if is_known and mark == source_mark(record.what, figure):
-                return Match(figure, "other bytes, with the mark of that figure")
+                return Match(figure, "other bytes, but the mark of that figure")
     if name in known:
-        return Match(name, "the name only: its bytes are not those recorded")
+        return Match(name, "the same name, but other bytes", is_same=False)
     if mark:
         raise ProvenanceError(
-            f"was drawn by {mark.get('step')} of {mark.get('model')}, from other sources than here",
+            f"drawn by {mark.get('step')} of {mark.get('model')} from other sources",
             where=name,
-            expected="a source with SHA-256 " + str(mark.get("sha256")),
-            remedy="look for it in the results of another version, or git log results/lock.json",
+            expected="a figure drawn from sources with SHA-256 " + str(mark.get("sha256")),
+            remedy="search the results of other versions; git log results/lock.json lists them",
         )
     raise ProvenanceError(
-        "no record knows this file" if path.is_file() else "there is no such file, nor a record",
+        "no record contains this file"
+        if path.is_file()
+        else "neither a file nor a record has this name",
         where=name,
         expected="an output or source of the workflow, a copy of one, or a figure with a mark",
-        remedy="run the command in the folder that has results/provenance",
+        remedy="run the command in the folder that contains results/provenance",
     )
 
 
 def lacks_record(path: str) -> bool:
-    """Return whether a file that no step has a record of should have one.
+    """Return whether a file without a record should have one.
 
     >>> lacks_record("results/cow/mesh.vtu"), lacks_record("data_sources/cow.stl")
     (True, False)
@@ -111,8 +125,25 @@ def lacks_record(path: str) -> bool:
     return Path(path).is_relative_to("results") and not Path(path).is_relative_to(RECORDS)
 
 
-def trace(path: str, records: dict[str, Record], register: dict[str, dict[str, str]]) -> Origin:
-    """Return where a recorded output or source comes from."""
+def trace(
+    path: str,
+    records: dict[str, Record],
+    register: dict[str, dict[str, str]],
+    digests: Digests,
+) -> Origin:
+    """Return the origin of a recorded output or source.
+
+    Parameters
+    ----------
+    path
+        The output or source, as records name it.
+    records
+        All records by the key of their step.
+    register
+        The register of data by file.
+    digests
+        Digests of the files in the current folder.
+    """
     makers = {p: key for key, r in records.items() if not r.problem for p in r.outputs}
     read = {p: digest for r in records.values() for p, digest in r.inputs.items()}
     known: dict[str, Origin] = {}
@@ -125,15 +156,15 @@ def trace(path: str, records: dict[str, Record], register: dict[str, dict[str, s
     def make(name: str) -> Origin:
         if name not in makers:
             digest = read[name]
-            # A result that no step has a record of is not as any step wrote it.
-            same = digest_now(name) == digest and not lacks_record(name)
+            # A result without a record cannot be traced to a step, so it counts as changed.
+            same = digests.of(name) == digest and not lacks_record(name)
             return Origin(name, digest, same, source=register.get(name, {}))
         record = records[makers[name]]
         digest = record.outputs[name]
         return Origin(
             name,
             digest,
-            digest_now(name) == digest,
+            digests.of(name) == digest,
             step=makers[name],
             parameters=record.what["parameters"],
             code=record.what["code"],
@@ -141,7 +172,7 @@ def trace(path: str, records: dict[str, Record], register: dict[str, dict[str, s
         )
 
     def as_read(source: Origin, digest: str) -> Origin:
-        """Return a source, as changed where a step read something else than is recorded."""
+        """Return an input, marked as changed if the step read another version of it."""
         return source if source.sha256 == digest else replace(source, is_same=False)
 
     return origin(path)

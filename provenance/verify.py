@@ -1,4 +1,4 @@
-"""Did I get what you got?  All checks together, as one report."""
+"""Verification of the results: all checks together, as one report."""
 
 from __future__ import annotations
 
@@ -9,35 +9,37 @@ from typing import Any
 
 import pandas as pd
 
-from provenance.check import CANNOT_TELL, DIFFERENT, check_records, digest_now
-from provenance.claims import FAILS, Claim, evaluate_claims
+from provenance.check import check_records
+from provenance.claims import Claim, changed_claims, evaluate_claims
 from provenance.compare import Comparison
+from provenance.digests import Digests
 from provenance.equality import Equality
 from provenance.findings import Finding, Outcome, merge, verdict
+from provenance.lock import LOCK
 from provenance.plan import Plan
 from provenance.register import read_register
 from provenance.stored import Record
 from tusqh.errors import ProvenanceError
 
 #: The step whose parameters are the claims, and its table.
-_CLAIMS = "claims"
+_CLAIMS_STEP = "claims"
 _CLAIMS_TABLE = "results/tables/claims.csv"
-#: How the findings about claims that fail begin.
+#: The first word of the `file` of findings about claims whose status has changed.
 _CLAIM = "claim "
 
 
 @dataclass(frozen=True)
-class Report:
-    """What a verification says.
+class Verification:
+    """The result of a verification.
 
     Parameters
     ----------
     findings
-        All of them, one by one; `provenance.findings.merge` makes them fewer.
+        All findings, one by one; `provenance.findings.merge` summarises them.
     outcomes
-        Of every step, in the order of the workflow.
+        The outcome of each step, in the order of the workflow.
     classes
-        The class of equality with the lock that each step reached, None when none or unknown.
+        The class of equality with the lock that each step reached, None for none or unknown.
     recording_share
         The part of the steps' time that records and digests took, None without records.
     """
@@ -54,19 +56,20 @@ class Report:
 
     @property
     def summary(self) -> str:
-        """What the verdict means, in a sentence."""
-        n_steps, grave = len(self.outcomes), self.verdict
-        if grave is Outcome.SAME:
-            return f"all {n_steps} steps are as recorded, as locked, and as they would be today"
-        found = [finding for finding in merge(self.findings) if finding.outcome is grave]
-        if all(finding.file.startswith(_CLAIM) for finding in found):
-            return f"the results are the same, but {len(found)} of their claims fail"
+        """The meaning of the verdict, in a sentence."""
+        n_steps, gravest = len(self.outcomes), self.verdict
+        if gravest is Outcome.SAME:
+            return f"all {n_steps} steps match their records, the lock and today's workflow"
+        found = [finding for finding in merge(self.findings) if finding.outcome is gravest]
         n = len(found)
-        what = "things differ" if grave is DIFFERENT else "things cannot be compared"
-        return f"{n} {what.replace('things', 'thing') if n == 1 else what}, of {n_steps} steps"
+        if all(finding.file.startswith(_CLAIM) for finding in found):
+            subject = "1 claim has" if n == 1 else f"{n} claims have"
+            return f"the results match their records and the lock, but {subject} another status"
+        noun = "difference" if gravest is Outcome.DIFFERENT else "missing item"
+        return f"{n} {noun}{'' if n == 1 else 's'} in {n_steps} steps"
 
-    def extended(self, findings: list[Finding]) -> Report:
-        """Return the report with more findings."""
+    def extended(self, findings: list[Finding]) -> Verification:
+        """Return the verification with more findings."""
         return replace(self, findings=[*self.findings, *findings])
 
     def to_dict(self) -> dict[str, Any]:
@@ -83,57 +86,70 @@ class Report:
         }
 
 
-def verify(plan: Plan, records: dict[str, Record], lock: dict[str, Any] | None) -> Report:
-    """Check the results in the present folder against records, sources, workflow, lock and claims.
+def verify(plan: Plan, records: dict[str, Record], lock: dict[str, Any] | None) -> Verification:
+    """Check the results in the current folder against records, sources, workflow, lock and claims.
 
     Parameters
     ----------
     plan
-        What the workflow would do today.
+        The steps that the workflow would run today.
     records
-        What it did, by the key of the step.
+        The records of the steps that ran, by the key of the step.
     lock
-        What the results should be, None when there is no lock.
+        The accepted results, None if there is no lock.
     """
-    digest_now.cache_clear()
-    findings = list(check_records(plan, records, read_register(Path(), plan.base)))
+    digests = Digests()
+    findings = list(check_records(plan, records, read_register(Path(), plan.base), digests))
     classes: dict[str, Equality | None] = {}
     if lock is None:
-        remedy = "tusqh lock, when the results are right"
         findings.append(
-            Finding(CANNOT_TELL, "", "results/lock.json", "no lock", "a lock to compare", remedy)
+            Finding(
+                outcome=Outcome.CANNOT_TELL,
+                file=str(LOCK),
+                found="no lock",
+                expected="a lock to compare with",
+                remedy="tusqh lock, if the results are right",
+            )
         )
     else:
-        comparison = Comparison(lock, plan, records)
+        comparison = Comparison(lock, plan, records, digests)
         findings += comparison.findings()
         classes = {key: comparison.class_of_step(step) for key, step in plan.steps.items()}
-    if _CLAIMS in plan.steps:
-        findings += _check_claims(plan, records)
+    findings += _check_claims(plan, records, digests)
     outcomes = {key: verdict(f for f in findings if f.step == key) for key in plan.steps}
-    return Report(findings, outcomes, classes, recording_share(records))
+    return Verification(findings, outcomes, classes, recording_share(records))
 
 
 def require_lockable(plan: Plan, records: dict[str, Record]) -> None:
-    """Raise unless the results are complete and what their records and the workflow say.
+    """Raise unless results, records and workflow agree and each claim has its accepted status.
+
+    Parameters
+    ----------
+    plan
+        The steps that the workflow would run today.
+    records
+        The records of the steps that ran, by the key of the step.
 
     Raises
     ------
     ProvenanceError
         Naming the gravest finding.
     """
-    digest_now.cache_clear()
-    found = merge(check_records(plan, records, read_register(Path(), plan.base)))
-    if verdict(found) is not Outcome.SAME:
+    digests = Digests()
+    findings = list(check_records(plan, records, read_register(Path(), plan.base), digests))
+    findings += _check_claims(plan, records, digests)
+    if verdict(findings) is not Outcome.SAME:
+        gravest = merge(findings)[0]
         raise ProvenanceError(
-            f"{found[0].file}: {found[0].found}",
-            where="results" + (f" of {found[0].step}" if found[0].step else ""),
-            expected=found[0].expected,
-            remedy=f"{found[0].remedy}; tusqh verify lists everything",
+            f"{gravest.file}: {gravest.found}",
+            where="results" + (f" of {gravest.step}" if gravest.step else ""),
+            expected=gravest.expected,
+            remedy=f"{gravest.remedy}; tusqh verify lists all findings",
         )
 
 
 def recording_share(records: dict[str, Record]) -> float | None:
-    """Return which part of the time of all recorded steps their recording took."""
+    """Return the part of the time of all recorded steps that recording took."""
     keys = ("seconds", "seconds_of_recording")
     times = [[record.how.get(key) for key in keys] for record in records.values()]
     known = [pair for pair in times if all(isinstance(time, int | float) for time in pair)]
@@ -142,35 +158,48 @@ def recording_share(records: dict[str, Record]) -> float | None:
     return recording / total if total else None
 
 
-def _check_claims(plan: Plan, records: dict[str, Record]) -> Iterator[Finding]:
-    """Evaluate the claims again, those whose tables are what their records say."""
-    step = plan.steps[_CLAIMS]
+def _check_claims(plan: Plan, records: dict[str, Record], digests: Digests) -> Iterator[Finding]:
+    """Evaluate the claims again, and compare their status with the accepted one."""
+    step = plan.steps.get(_CLAIMS_STEP)
+    if step is None:
+        return
     recorded = {path: digest for r in records.values() for path, digest in r.outputs.items()}
+    # A table that differs from its record is a finding already, and decides no claim.
+    damaged = {path for path in step.inputs if digests.of(path) != recorded.get(path, "")}
     claims: list[Claim] = [
-        claim
-        for claim in step.parameters["claims"]
-        if (table := claim.get("table")) is None or digest_now(table) == recorded.get(table, "")
+        claim for claim in step.parameters["claims"] if claim.get("table") not in damaged
     ]
     today = evaluate_claims(claims, Path(), tables=step.inputs)
-    for row in today[today["status"] == FAILS].to_dict("records"):
-        yield Finding(
-            DIFFERENT,
-            step.key,
-            f"{_CLAIM}{row['id']}",
-            f"{row['found']} in {row['table']}, a margin of {row['margin']:.3g}",
-            f"{row['relation']} {row['expected']}: {row['statement']}",
-            f"tusqh trace {row['table']}, and read workflow/claims.yaml",
-        )
-    if digest_now(_CLAIMS_TABLE) == recorded.get(_CLAIMS_TABLE, ""):
+    for row in changed_claims(today, tables=step.inputs).to_dict("records"):
+        yield _changed_claim(step.key, row)
+    if digests.of(_CLAIMS_TABLE) == recorded.get(_CLAIMS_TABLE, ""):
         table = pd.read_csv(_CLAIMS_TABLE)
         status = dict(zip(table["id"], table["status"], strict=True))
         for row in today.to_dict("records"):
             if status.get(row["id"], row["status"]) != row["status"]:
                 yield Finding(
-                    DIFFERENT,
-                    step.key,
-                    f"{_CLAIMS_TABLE}: {row['id']}",
-                    str(status[row["id"]]),
-                    str(row["status"]),
-                    plan.remake(_CLAIMS_TABLE),
+                    outcome=Outcome.DIFFERENT,
+                    step=step.key,
+                    file=f"{_CLAIMS_TABLE}: {row['id']}",
+                    found=str(status[row["id"]]),
+                    expected=str(row["status"]),
+                    remedy=plan.remake(_CLAIMS_TABLE),
                 )
+
+
+def _changed_claim(step: str, row: dict[Any, Any]) -> Finding:
+    """Return the finding about a claim whose status is not the accepted one."""
+    found, remedy = f"{row['status']}", "read workflow/claims.yaml"
+    if row["found"]:
+        found += f": {row['found']} in {row['table']}, a margin of {row['margin']:.3g}"
+        remedy = f"tusqh trace {row['table']}"
+    else:
+        found += f": {row['explanation']}"
+    return Finding(
+        outcome=Outcome.DIFFERENT,
+        step=step,
+        file=f"{_CLAIM}{row['id']}",
+        found=found,
+        expected=f"{row['accepted']}: {row['statement']} ({row['relation']} {row['expected']})",
+        remedy=f"{remedy}; if the new status is right, change `accepted` in workflow/claims.yaml",
+    )

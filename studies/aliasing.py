@@ -13,7 +13,7 @@ import pandas as pd
 
 from studies.examples import GEOMETRY, mesh_example, mesh_rows, shape_rows
 from studies.gap_patch import RULES, measure_widths
-from studies.polygon_areas import Polygon, exact_fractions
+from studies.methods.exact_fractions import Polygon, exact_fractions
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
 from tusqh.grid import BackgroundGrid

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from studies.polygon_areas import Polygon, exact_fractions
-from studies.raw_cells import closed_betti
+from studies.methods.exact_fractions import Polygon, exact_fractions
+from studies.methods.raw_mesh import closed_betti
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.clusters import CONNECT
 from tusqh.antialias.pinches import find_pinches

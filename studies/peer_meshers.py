@@ -1,11 +1,12 @@
-"""Other programs that make solids of dirty surfaces, each in one function.
+"""Programs that make solids from dirty surfaces, one function for each.
 
-Run as ``python -m studies.peer_meshers PEER INPUT.npz OUTPUT.npz SECONDS``, in a process
-of its own, because some crash or never end; `studies.peers` does that.
+`studies.peers` runs ``python -m studies.peer_meshers PEER INPUT.npz OUTPUT.npz SECONDS`` in a
+process of its own, because some of them crash or never end.
 """
 
 from __future__ import annotations
 
+import json
 import resource
 import sys
 import tempfile
@@ -18,7 +19,7 @@ import numpy as np
 
 from tusqh.grid import HEX_CORNERS, FloatArray, IntArray
 
-#: Exit status that says that a peer is not installed.
+#: Exit status if a peer is not installed.
 NOT_INSTALLED = 3
 
 Arrays = dict[str, np.ndarray]
@@ -29,7 +30,7 @@ _VOXEL_TO_HEX = [0, 1, 3, 2, 4, 5, 7, 6]
 
 
 def mesh_by_automesh(given: Arrays) -> Solid:
-    """Return the hexes that automesh makes of our kept cells; it takes voxels, not surfaces."""
+    """Return the hexes that automesh makes from our kept cells; it takes voxels, not surfaces."""
     import meshio
 
     automesh = import_module("automesh")
@@ -48,7 +49,7 @@ def mesh_by_automesh(given: Arrays) -> Solid:
 
 
 def mesh_by_pytetwild(given: Arrays) -> Solid:
-    """Return the tetrahedra that fTetWild makes of the surface, with its own defaults."""
+    """Return the tetrahedra that fTetWild makes from the surface, with its own defaults."""
     points, tets = import_module("pytetwild").tetrahedralize(
         given["points"], given["triangles"].astype(np.int32), quiet=True, vtk_ordering=True
     )
@@ -56,7 +57,7 @@ def mesh_by_pytetwild(given: Arrays) -> Solid:
 
 
 def mesh_by_pyvista(given: Arrays) -> Solid:
-    """Return the voxels inside the surface by PyVista (VTK's image stencil), of our cell size."""
+    """Return the voxels of our cell size inside the surface, by PyVista (VTK's image stencil)."""
     import pyvista
 
     faces = np.column_stack([np.full(len(given["triangles"]), 3), given["triangles"]])
@@ -67,7 +68,7 @@ def mesh_by_pyvista(given: Arrays) -> Solid:
 
 
 def mesh_by_trimesh(given: Arrays) -> Solid:
-    """Return the voxels that touch the surface or lie inside it by trimesh, of our cell size."""
+    """Return the voxels of our cell size that touch the surface or are inside, by trimesh."""
     import trimesh
 
     surface = trimesh.Trimesh(given["points"], given["triangles"], process=False)
@@ -78,30 +79,31 @@ def mesh_by_trimesh(given: Arrays) -> Solid:
     numbers = np.ravel_multi_index(tuple(np.moveaxis(corners, -1, 0)), tuple(shape))
     used, cells = np.unique(numbers, return_inverse=True)
     lattice = np.stack(np.unravel_index(used, tuple(shape)), axis=1)
-    # Its transform gives the middle of a voxel.
+    # The transform maps to the centres of voxels.
     points = voxels.transform[:3, 3] + size * (lattice - 0.5)
     return points, cells.reshape(numbers.shape)
 
 
 def mesh_by_tusqh(given: Arrays) -> Solid:
-    """Return our hexes at the threshold that was chosen before; sampled here, for the time."""
-    from tusqh.antialias.cells import CellSets
-    from tusqh.antialias.resolve import build_mesh
-    from tusqh.geometry.soup import Soup
-    from tusqh.grid import BackgroundGrid
-    from tusqh.sampling.fractions import Rule, sample_fractions
-    from tusqh.settings.policy import Criteria, Policy
+    """Return our hexes at the selected threshold, by the stages `sample` and `build`.
 
-    soup = Soup(given["points"], given["triangles"], np.zeros(len(given["triangles"]), np.int64))
-    grid = BackgroundGrid(
-        shape=given["kept"].shape,
-        cell_size=float(given["cell_size"]),
-        origin=tuple(given["origin"].tolist()),
+    The surface is sampled again, so that the time of sampling counts.
+    """
+    from tusqh.geometry.soup import Soup
+    from tusqh.pipeline.build import build
+    from tusqh.pipeline.sample import sample
+    from tusqh.settings.model import Settings
+    from tusqh.threshold.select import Selection
+
+    settings = Settings.from_dict(json.loads(str(given["settings"])))
+    selection = Selection.from_dict(json.loads(str(given["selection"])))
+    fractions = sample(
+        Soup(given["points"], given["triangles"], given["parts"]),
+        grid=settings.grid,
+        sampling=settings.sampling,
+        window=settings.window,
     )
-    rule: Rule = "clamped" if given["is_clamped"] else "average"
-    fractions = sample_fractions(soup, grid, rule=rule, samples=int(given["samples"]))
-    policy = Policy(components=Criteria(min_cells=int(given["min_cells"])))
-    mesh = build_mesh(CellSets(fractions, policy).at(float(given["threshold"])), grid).mesh
+    mesh = build(fractions, selection).mesh
     return mesh.points, mesh.cells
 
 
@@ -115,9 +117,16 @@ PEERS: dict[str, Callable[[Arrays], Solid]] = {
 
 
 def main(peer: str, source: Path, target: Path, limit: int) -> int:
-    """Run a peer on arrays in a file and write its points, cells and seconds to another.
+    """Run a peer on the arrays in a file, write its points, cells and times, return the status.
 
-    The limit is on processor time, which other work on the machine does not use up.
+    Parameters
+    ----------
+    peer
+        One of `PEERS`.
+    source, target
+        The files to read and to write.
+    limit
+        Limit on processor time in s, which does not depend on other work on the machine.
     """
     resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
     with np.load(source) as content:

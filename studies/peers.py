@@ -1,12 +1,15 @@
-"""Tusqh beside other programs on the same dirty surfaces, each in a process with a time limit."""
+"""Tusqh and other programs on the same dirty surfaces, each in a process with a time limit."""
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -14,121 +17,139 @@ import numpy as np
 import pandas as pd
 
 import tusqh
+from studies.methods.solids import describe_solid, measure_fit
 from studies.peer_meshers import NOT_INSTALLED
-from studies.solids import describe_solid, measure_fit
 from tusqh.geometry.soup import Soup
 from tusqh.sampling.fractions import VolumeFractions
-from tusqh.settings.policy import Policy
+from tusqh.settings.model import Settings
+from tusqh.threshold.select import Selection
 
 FINISHED, MISSING = "finished", "not installed"
 
-#: Significant digits that are kept: fTetWild makes another mesh every time, so more would be noise.
+#: Significant digits of the row of a peer, 4 by default.  fTetWild's meshes differ from run to run,
+#: so further digits would be noise.
 _DIGITS = {"pytetwild": 1}
 
-#: Where the process looks for modules: a folder for tests to put a peer in, and this package.
-_FIRST_ON_PATH = ""
-_PROJECT = str(Path(tusqh.__file__).parent.parent)
+#: The folder of the packages `tusqh` and `studies`.
+_PROJECT = Path(tusqh.__file__).parent.parent
 
 _TIMES = ("seconds", "processor_seconds")
 
-#: Time on the clock per processor time that a process may take: a hang uses none of the latter.
+#: Limit on elapsed time per limit on processor time; a process that hangs uses no processor time.
 _PATIENCE = 10
 
-#: Columns of the table of peers, in their order.
-COLUMNS = ["model", "peer", "status", "kind", "manifold", "betti_0", "betti_1", "betti_2"]
-COLUMNS += ["volume_error", "worst_scaled_jacobian"]
-COLUMNS += ["boundary_mean", "boundary_max", "surface_mean", "surface_max"]
+#: Columns of the table of peers.
+PEER_COLUMNS = [
+    "model",
+    "peer",
+    "status",
+    "kind",
+    "manifold",
+    "betti_0",
+    "betti_1",
+    "betti_2",
+    "volume_error",
+    "worst_scaled_jacobian",
+    "boundary_mean",
+    "boundary_max",
+    "surface_mean",
+    "surface_max",
+]
 
 
 def run_peer(
     peer: str,
     soup: Soup,
     fractions: VolumeFractions,
-    policy: Policy,
+    selection: Selection,
     *,
-    threshold: float,
-    is_clamped: bool,
+    settings: Settings,
     seconds: int,
     name: str,
+    python_path: Sequence[Path] = (),
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return what a peer makes of a surface, and how long it took.
+    """Mesh a surface with a peer in a process of its own, and measure the mesh and the time.
 
     Parameters
     ----------
     peer
         One of `studies.peer_meshers.PEERS`.
     soup
-        The surface, as it is.
+        The surface.
     fractions
-        Our fractions of it: grid, kept cells and volume.
-    policy
-        The model's policy.
-    threshold
-        Its threshold.
-    is_clamped
-        Whether its samples are clipped to [0, 1].
+        Its volume fractions, for the grid, the kept cells and the volume.
+    selection
+        The threshold and the policy of the model.
+    settings
+        The grid, the window and the sampling of the model.
     seconds
-        Limit on processor time; on the clock it is `_PATIENCE` times as long.
+        Limit on processor time in s; the limit on elapsed time is `_PATIENCE` times as large.
     name
         The model.
+    python_path
+        Folders in which the process looks for modules before all others.
 
     Returns
     -------
     row
-        `COLUMNS`: status (finished, not installed, not finished in time, or how it failed), what
-        `studies.solids.describe_solid` finds, the volume over the winding-number
-        volume less one, and distances in cells of our grid.
+        `PEER_COLUMNS`: status (finished, not installed, not finished in time, or how it failed),
+        the measures of `studies.methods.solids.describe_solid`, the volume over the
+        winding-number volume minus one, and distances in cells of our grid.
     timing
-        `model`, `peer`, `status`, `elements`, `seconds` and `processor_seconds` in the call
-        alone.  Not the same twice.
+        `model`, `peer`, `status`, `elements`, `seconds` and `processor_seconds` of the call alone.
+        It differs from run to run.
     """
     grid = fractions.grid
     given = {
         "points": soup.points,
         "triangles": soup.triangles,
+        "parts": soup.parts,
         "cell_size": grid.cell_size,
         "origin": np.array(grid.origin),
-        "kept": fractions.cells >= threshold,
-        "threshold": threshold,
-        "samples": fractions.samples,
-        "is_clamped": is_clamped,
-        "min_cells": policy.components.min_cells,
+        "kept": fractions.cells >= selection.threshold,
+        "settings": json.dumps(settings.to_dict()),
+        "selection": json.dumps(asdict(selection)),
     }
-    status, made = _run_apart(peer, given, seconds)
+    status, made = _run_apart(peer, given, seconds, python_path)
     row: dict[str, Any] = {"model": name, "peer": peer, "status": status}
     timing = {**row, "elements": pd.NA, **dict.fromkeys(_TIMES, float("nan"))}
     if made is not None:
-        points, cells = made["points"], made["cells"]
-        found = describe_solid(points, cells, cell_size=grid.cell_size)
-        timing["elements"] = found.pop("elements")
         timing |= {key: round(float(made[key]), 3) for key in _TIMES}
-        fit = measure_fit(points, cells, soup)
-        measures = {
-            **found,
-            "volume_error": found.pop("volume") / fractions.volume() - 1,
-            **{key: distance / grid.cell_size for key, distance in fit.items()},
-        }
+        measures = _measure(made["points"], made["cells"], soup, fractions)
+        timing["elements"] = measures.pop("elements")
         digits = _DIGITS.get(peer, 4)
         row |= {key: _to_digits(value, digits) for key, value in measures.items()}
-    return {key: row.get(key) for key in COLUMNS}, timing
+    return {key: row.get(key) for key in PEER_COLUMNS}, timing
+
+
+def _measure(
+    points: np.ndarray, cells: np.ndarray, soup: Soup, fractions: VolumeFractions
+) -> dict[str, Any]:
+    """Return the measures of a solid in a row of the table of peers, and its `elements`."""
+    size = fractions.grid.cell_size
+    found = describe_solid(points, cells, cell_size=size)
+    volume_error = found.pop("volume") / fractions.volume() - 1
+    distances = {key: distance / size for key, distance in measure_fit(points, cells, soup).items()}
+    return {**found, "volume_error": volume_error, **distances}
 
 
 def _run_apart(
-    peer: str, given: dict[str, Any], seconds: int
+    peer: str, given: dict[str, Any], seconds: int, python_path: Sequence[Path]
 ) -> tuple[str, dict[str, np.ndarray] | None]:
-    """Return how a peer ended in a process of its own, and what it made."""
+    """Run a peer in a process of its own, and return its status and the arrays that it made."""
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "given.npz", Path(folder) / "made.npz"
         np.savez(source, **given)
         command = [sys.executable, "-m", "studies.peer_meshers", peer]
+        path = os.pathsep.join(map(str, [*python_path, _PROJECT]))
         try:
             done = subprocess.run(
                 [*command, str(source), str(target), str(seconds)],
                 capture_output=True,
                 text=True,
                 timeout=_PATIENCE * seconds,
-                cwd=folder,  # fTetWild leaves files where it runs.
-                env={**os.environ, "PYTHONPATH": f"{_FIRST_ON_PATH}{os.pathsep}{_PROJECT}"},
+                cwd=folder,  # fTetWild writes files to its working folder.
+                env={**os.environ, "PYTHONPATH": path},
             )
         except subprocess.TimeoutExpired:
             return f"not finished in {seconds} s", None
@@ -147,20 +168,20 @@ def _run_apart(
 
 
 def compare_with_peers(table: pd.DataFrame) -> pd.DataFrame:
-    """Return one row per peer: how often it does as well as we do, and where it is better.
+    """Return one row per peer: how often it matches our mesh, and where it is better.
 
     Parameters
     ----------
     table
-        Rows of `run_peer`.
+        The rows that `run_peer` returned.
 
     Returns
     -------
     summary
         `peer`; `models`, `finished`; of the finished ones how many are `manifold` and have the
-        `same_topology` as our mesh; in how many the boundary lies nearer to the surface than
-        ours (`nearer_boundary`), the surface nearer to the boundary (`nearer_surface`), the
-        volume nearer to the winding-number volume (`nearer_volume`), and the worst element is
+        `same_topology` as our mesh; in how many, compared with our mesh, the boundary is nearer
+        to the surface (`nearer_boundary`), the surface nearer to the boundary (`nearer_surface`),
+        the volume nearer to the winding-number volume (`nearer_volume`), and the worst element
         better (`better_worst_element`); the medians of the distances, in cells.
     """
     betti = ["betti_0", "betti_1", "betti_2"]
@@ -192,7 +213,7 @@ def compare_with_peers(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _to_digits(value: Any, digits: int) -> Any:
-    """Return a number with so many significant digits, anything else as it is.
+    """Return a number rounded to significant digits; other values unchanged.
 
     >>> _to_digits(0.123456, 2), _to_digits("hexes", 1), _to_digits(12, 1)
     (0.12, 'hexes', 12)

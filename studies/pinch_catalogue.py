@@ -19,8 +19,8 @@ from studies.examples import (
     shape_rows,
     sub_cell_rows,
 )
-from studies.polygon_areas import Polygon, exact_fractions
-from studies.raw_cells import raw_mesh
+from studies.methods.exact_fractions import Polygon, exact_fractions
+from studies.methods.raw_mesh import raw_mesh
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.clusters import CONNECT, SEPARATE, Decisions, decide_by_vote
 from tusqh.antialias.pinches import find_pinch_edges, find_pinches, pinch_table

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from studies.neumann import (
+from studies.methods.raw_mesh import closed_betti, raw_mesh
+from studies.methods.stiffness import (
     assemble_stiffness,
     count_kernel,
     count_mechanisms,
@@ -16,8 +17,7 @@ from studies.neumann import (
     label_parts,
     points_of,
 )
-from studies.raw_cells import closed_betti, raw_mesh
-from studies.whole_cells import repair_by_cells
+from studies.methods.whole_cell_repair import repair_by_cells
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.pinches import find_pinches
 from tusqh.antialias.resolve import build_mesh
@@ -32,7 +32,7 @@ from tusqh.simulate.operators import Operators
 from tusqh.topology.betti_numbers import BettiNumbers
 
 RAW, REPAIRED, OURS = "raw cells", "whole cells", "tusqh"
-CHOSEN = "chosen"
+OWN_THRESHOLD = "chosen"
 
 #: Time steps after which the leak is measured; the heat spreads a third of the way across.
 _STEPS = 20
@@ -91,7 +91,7 @@ def compare_suitability(
                 "elements": mesh.n_cells,
                 "pinches": int(pinches[scheme].sum()) if scheme in pinches else 0,
                 **betti._asdict(),
-                "as_chosen": betti == chosen if choice == CHOSEN else None,
+                "as_chosen": betti == chosen if choice == OWN_THRESHOLD else None,
                 **measure_suitability(mesh),
                 "volume_error": _volume(mesh) / volume - 1,
             }
@@ -174,7 +174,7 @@ def summarise_suitability(table: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for scheme in (RAW, REPAIRED, OURS):
         of_scheme = table[table["scheme"] == scheme].set_index(keys)
-        chosen = of_scheme.xs(CHOSEN, level="choice")
+        chosen = of_scheme.xs(OWN_THRESHOLD, level="choice")
         rows.append(
             {
                 "scheme": scheme,

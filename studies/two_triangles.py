@@ -22,7 +22,7 @@ import numpy as np
 import pandas as pd
 
 from studies.examples import GEOMETRY, cell_rows, shape_rows
-from studies.polygon_areas import (
+from studies.methods.exact_fractions import (
     Polygon,
     area_in_boxes,
     exact_cell_fractions,

@@ -16,7 +16,7 @@ import pandas as pd
 from scipy import ndimage
 
 from studies.aliasing import wedge
-from studies.polygon_areas import exact_fractions
+from studies.methods.exact_fractions import exact_fractions
 from tusqh.antialias.cells import CellSets
 from tusqh.grid import QUAD_CORNERS, BackgroundGrid, BoolArray
 

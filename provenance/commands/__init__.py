@@ -1,1 +1,1 @@
-"""The commands of `tusqh` that look at a whole workflow."""
+"""Commands of `tusqh` that concern a whole workflow."""

@@ -1,4 +1,4 @@
-"""`tusqh lock`: say that the results here are right."""
+"""`tusqh lock`: accept the results in the current folder."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ def lock(
     configfile: ConfigFiles = None,
     lock: LockFile = Path("results/lock.json"),
 ) -> None:
-    """Make the results here the reference that `tusqh verify` compares with.
+    """Accept the results in the current folder as the reference for `tusqh verify`.
 
-    Refused while something is missing or is not what its record says; claims may fail.
+    Fails if a result is missing, if one differs from its record, or if a claim does not have the
+    status that workflow/claims.yaml declares as accepted.
     Example: tusqh lock && git add results/lock.json
     """
     from provenance.lock import changed_outputs, make_lock, read_lock, write_lock
@@ -32,7 +33,7 @@ def lock(
     new = make_lock(plan, records)
     try:
         old = read_lock(lock)
-    except ConfigError as reason:  # A new one replaces it.
+    except ConfigError as reason:  # The new lock replaces it.
         report_error(f"warning: {reason}")
         old = None
     write_lock(new, lock)

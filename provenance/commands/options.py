@@ -1,4 +1,4 @@
-"""The options of commands that look at a whole workflow."""
+"""Options of the commands that concern a whole workflow."""
 
 from __future__ import annotations
 
@@ -10,6 +10,6 @@ import typer
 Snakefile = Annotated[Path, typer.Option(help="The workflow.")]
 ConfigFiles = Annotated[
     list[Path] | None,
-    typer.Option(help="As for snakemake, when the results were made with one."),
+    typer.Option(help="Configuration file that the results were made with, as for snakemake."),
 ]
-LockFile = Annotated[Path, typer.Option(help="The lock to compare with.")]
+LockFile = Annotated[Path, typer.Option(help="The lock.")]

@@ -1,4 +1,4 @@
-"""`tusqh trace`: where a file comes from."""
+"""`tusqh trace`: the origin of a file."""
 
 from __future__ import annotations
 
@@ -18,31 +18,32 @@ _WIDTH = 90
 
 
 def trace(
-    path: Annotated[Path, typer.Argument(help="A result, a copy of one, or a figure of ours.")],
+    path: Annotated[
+        Path, typer.Argument(help="A result, a copy of one, or a figure found elsewhere.")
+    ],
 ) -> None:
-    """Show every step and source behind a file, down to the data with their licences.
+    """Show the steps and sources behind a file, down to the data with their licences.
 
-    A figure found elsewhere is known by its bytes, or by the mark in its metadata.
+    A figure found elsewhere is identified by its bytes, or by the mark in its metadata.
 
-    Exit code 0: known, as recorded; 1: known, but it or something behind it has changed;
-    2: not known.
+    Exit code 0: identified and unchanged; 1: the file or something behind it has changed;
+    2: not identified.
     Example: tusqh trace results/chesapeake/figures/diagram.png
     """
-    from provenance.check import digest_now
     from provenance.code import PACKAGE_ROOT
+    from provenance.digests import Digests
     from provenance.register import read_register
     from provenance.stored import read_records
     from provenance.trace import find_output
     from provenance.trace import trace as trace_file
     from tusqh.geometry.packaged import PACKAGE
 
-    digest_now.cache_clear()
-    records = read_records()
+    records, digests = read_records(), Digests()
     name = str(path)
     if not name.startswith(PACKAGE) and path.is_absolute() and path.is_relative_to(Path.cwd()):
         path = path.relative_to(Path.cwd())
-    match = find_output(path, records)
-    origin = trace_file(match.path, records, read_register(Path(), PACKAGE_ROOT))
+    match = find_output(path, records, digests)
+    origin = trace_file(match.path, records, read_register(Path(), PACKAGE_ROOT), digests)
     console = Console()
     console.print(
         f"{name} is {match.path}: {match.how}", markup=False, highlight=False, soft_wrap=True
@@ -51,10 +52,10 @@ def trace(
     tree = Tree(_label(origin))
     _grow(tree, origin, shown)
     console.print(tree)
-    changed = _changed(origin) | ({name} if "bytes are not" in match.how else set())
+    changed = _changed(origin) | (set() if match.is_same else {name})
     for file in sorted(changed):
         console.print(
-            f"changed since: {file}", style="red", markup=False, highlight=False, soft_wrap=True
+            f"changed: {file}", style="red", markup=False, highlight=False, soft_wrap=True
         )
     raise typer.Exit(1 if changed else 0)
 
@@ -71,7 +72,7 @@ def _grow(tree: Tree, origin: Origin, shown: set[str]) -> None:
 def _label(origin: Origin) -> str:
     from provenance.trace import lacks_record
 
-    state = "" if origin.is_same else " [red]changed since[/]"
+    state = "" if origin.is_same else " [red]changed[/]"
     lines = [f"[bold]{escape(origin.path)}[/] [dim]SHA-256 {origin.sha256[:12]}[/]{state}"]
     if origin.step:
         lines.append(f"step {escape(origin.step)}, {escape(origin.code['script'])}")
@@ -85,9 +86,9 @@ def _label(origin: Origin) -> str:
         if origin.source["url"]:
             lines.append(escape(origin.source["url"]))
     elif lacks_record(origin.path):
-        lines.append("its record is missing: tusqh verify says how to make it anew")
+        lines.append("its record is missing; tusqh verify prints the command that makes it again")
     else:
-        lines.append("not in data_sources/register.csv: origin and licence unknown")
+        lines.append("not in data_sources/register.csv: origin and licence are unknown")
     return "\n".join(lines)
 
 

@@ -1,4 +1,4 @@
-"""`tusqh verify`: whether these results are the right ones."""
+"""`tusqh verify`: check the results in the current folder."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rich.table import Table
 from provenance.commands.options import ConfigFiles, LockFile, Snakefile
 
 if TYPE_CHECKING:
-    from provenance.verify import Report
+    from provenance.verify import Verification
 
 _COLOURS = {"same": "green", "different": "red", "cannot tell": "yellow"}
 
@@ -25,11 +25,13 @@ def verify(
     lock: LockFile = Path("results/lock.json"),
     rebuild: Annotated[
         str | None,
-        typer.Option(metavar="MODEL", help="Also make a model anew elsewhere, and compare."),
+        typer.Option(
+            metavar="MODEL", help="Also make a model again in an empty folder, and compare."
+        ),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
 ) -> None:
-    """Check the results here: records, sources, code, parameters, lock and claims.
+    """Check the results here against records, sources, code, parameters, lock and claims.
 
     Exit code 0: the same; 1: different; 2: cannot tell, because something is missing.
     Example: tusqh verify --rebuild chesapeake
@@ -43,29 +45,29 @@ def verify(
 
     if lock != LOCK and not lock.is_file():
         raise ConfigError(
-            "there is no such lock",
+            "the lock does not exist",
             where=str(lock),
             expected="a file that `tusqh lock` wrote",
             remedy="check the path",
         )
     plan = make_plan(snakefile, configfile or [])
-    report = verify_results(plan, read_records(), read_lock(lock))
+    verification = verify_results(plan, read_records(), read_lock(lock))
     if rebuild:
-        report = report.extended(rebuild_model(rebuild, plan, read_records()))
+        verification = verification.extended(rebuild_model(rebuild, plan, read_records()))
     if as_json:
-        typer.echo(json.dumps(report.to_dict(), indent=2))
+        typer.echo(json.dumps(verification.to_dict(), indent=2))
     else:
-        _show(report)
-    raise typer.Exit(int(report.verdict))
+        _show(verification)
+    raise typer.Exit(int(verification.verdict))
 
 
-def _show(report: Report) -> None:
-    """Print a table of steps, what was found, and the verdict."""
+def _show(verification: Verification) -> None:
+    """Print a table of steps, the findings and the verdict."""
     from provenance.findings import Outcome, merge
 
     console = Console()
-    console.print(_table(report))
-    for finding in merge(report.findings):
+    console.print(_table(verification))
+    for finding in merge(verification.findings):
         if finding.outcome is Outcome.SAME:
             continue
         colour = _COLOURS[finding.outcome.text]
@@ -80,22 +82,22 @@ def _show(report: Report) -> None:
         console.print(
             f"  remedy:   {finding.remedy}", markup=False, highlight=False, soft_wrap=True
         )
-    remarks = [f for f in merge(report.findings) if f.outcome is Outcome.SAME]
+    remarks = [f for f in merge(verification.findings) if f.outcome is Outcome.SAME]
     for remark in remarks:
         text = f"note: {remark.file}: {remark.found}; expected: {remark.expected}"
         console.print(text, markup=False, highlight=False, soft_wrap=True)
-    colour = _COLOURS[report.verdict.text]
-    share = report.recording_share
+    colour = _COLOURS[verification.verdict.text]
+    share = verification.recording_share
     cost = "" if share is None else f"; recording took {100 * share:.1f} % of the steps' time"
-    console.print(f"\n[bold {colour}]{report.verdict.text}[/]: {report.summary}{cost}")
+    console.print(f"\n[bold {colour}]{verification.verdict.text}[/]: {verification.summary}{cost}")
 
 
-def _table(report: Report) -> Table:
-    """Return one row per step, for all models together where their outcome is the same."""
+def _table(verification: Verification) -> Table:
+    """Return one row per step; models with the same outcome share a row."""
     rows: dict[tuple[str, str, str], list[str]] = {}
-    for key, outcome in report.outcomes.items():
+    for key, outcome in verification.outcomes.items():
         model, _, name = key.rpartition("/")
-        equality = str(report.classes.get(key) or "-")
+        equality = str(verification.classes.get(key) or "-")
         rows.setdefault((name, outcome.text, equality), []).append(model)
     table = Table(title="Steps", title_justify="left")
     for column in ("step", "models", "outcome", "equality with the lock"):

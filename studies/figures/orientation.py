@@ -6,13 +6,13 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from studies.orientation import MAJORITY, POLICY, SEPARATE
+from studies.orientation import AS_CONFIGURED, SUB_CELLS_MAJORITY, SUB_CELLS_SEPARATE
 from tusqh.figures import style
 
 _LOOKS = {
-    SEPARATE: (style.SEPARATING, "s"),
-    MAJORITY: (style.INTERIOR_VERTEX, "o"),
-    POLICY: (style.CONNECTING, "D"),
+    SUB_CELLS_SEPARATE: (style.SEPARATING, "s"),
+    SUB_CELLS_MAJORITY: (style.INTERIOR_VERTEX, "o"),
+    AS_CONFIGURED: (style.CONNECTING, "D"),
 }
 _SHIFTS = (-0.1, 0.1, 0.3)
 
@@ -25,17 +25,21 @@ def draw_orientation(spread: pd.DataFrame, pooled: pd.DataFrame) -> Figure:
     Parameters
     ----------
     spread
-        See `studies.orientation.measure_spread`, with the columns is_chosen and
+        See `studies.spread.measure_spread`, with the columns is_chosen and
         is_finest.
     pooled
-        See `studies.orientation.pool_spreads`, with the column choice.
+        See `studies.spread.pool_spreads`, with the column choice.
     """
     chosen = spread[spread["is_chosen"] & spread["is_finest"]]
     models = list(dict.fromkeys(chosen["model"]))
     figure, axes = style.new_figure(1, 3, width=13.0, height=0.36 * len(models) + 2.2)
     at = np.arange(len(models))
     for panel, column in ((axes[0, 0], "spread"), (axes[0, 2], "agreement")):
-        raw = chosen[chosen["scheme"] == POLICY].set_index("model").loc[models, f"raw_{column}"]
+        raw = (
+            chosen[chosen["scheme"] == AS_CONFIGURED]
+            .set_index("model")
+            .loc[models, f"raw_{column}"]
+        )
         panel.plot(raw, at - 0.3, "o", color=style.OUTLINE, label="raw cells")
     for shift, (scheme, (colour, marker)) in zip(_SHIFTS, _LOOKS.items(), strict=True):
         of_scheme = chosen[chosen["scheme"] == scheme].set_index("model").loc[models]

@@ -1,4 +1,4 @@
-"""Meshes that do not converge: two blocks at a corner, and the islands of a wedge."""
+"""Figures of meshes that do not converge: two blocks at a corner, and the islands of a wedge."""
 
 from __future__ import annotations
 
@@ -17,7 +17,15 @@ _CORNERS = {"2/3": "C0", "1/3": "C1"}
 
 
 def draw_two_triangles(rows: pd.DataFrame, shapes: pd.DataFrame) -> Figure:
-    """Return the first refinements of all cases, then what happens at every one of them."""
+    """Return the first refinements of each case, beside fractions and Betti numbers of all.
+
+    Parameters
+    ----------
+    rows
+        See `studies.two_triangles.refine`.
+    shapes
+        See `studies.two_triangles.draw_refinements`.
+    """
     names = list(dict.fromkeys(shapes["panel"]))
     cases = list(dict.fromkeys(rows["case"]))
     n_drawn = len(names) // len(cases)
@@ -37,14 +45,14 @@ def draw_two_triangles(rows: pd.DataFrame, shapes: pd.DataFrame) -> Figure:
         _draw_fractions(axes[r, n_drawn], rows, case)
         _draw_betti(axes[r, n_drawn + 1], of_case)
     figure.suptitle(
-        "Two blocks touching at a corner: the cells kept at threshold 1/2, the thresholds at "
-        "which the blocks join, and the topology"
+        "Two blocks that touch at a corner: kept cells at threshold 1/2, thresholds at which the "
+        "blocks join, and Betti numbers"
     )
     return figure
 
 
 def _draw_fractions(axes: Axes, rows: pd.DataFrame, case: str) -> None:
-    """Draw the vineyard: the threshold at which each corner joins the blocks, by refinement."""
+    """Draw the largest threshold at which each corner joins the blocks, by refinement."""
     corners = list(_CORNERS) if case == "both" else [case]
     for corner in corners:
         of_corner = rows[rows["case"] == corner]
@@ -59,7 +67,7 @@ def _draw_fractions(axes: Axes, rows: pd.DataFrame, case: str) -> None:
         )
     axes.axhline(0.5, color="black", linewidth=0.8, linestyle="--")
     axes.set_yticks([7 / 18, 0.5, 10 / 18], ["7/18", "1/2", "10/18"])
-    axes.set_ylim(0.33, 0.64)
+    axes.margins(y=0.25)  # Room for the legend.
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_xlabel("refinements")
     axes.set_ylabel("joined below threshold [-]")
@@ -88,7 +96,7 @@ def _draw_betti(axes: Axes, of_case: pd.DataFrame) -> None:
         markersize=5,
         label=r"$\beta_1$, mesh",
     )
-    axes.set_ylim(-0.3, 3.1)
+    axes.margins(y=0.25)  # Room for the legend.
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_xlabel("refinements")
@@ -97,76 +105,80 @@ def _draw_betti(axes: Axes, of_case: pd.DataFrame) -> None:
 
 
 def draw_wedge_islands(components: pd.DataFrame, grids: pd.DataFrame, *, degrees: float) -> Figure:
-    """Return where the components lie on every grid, linked to what they continue; their number.
+    """Return the positions of the components on each grid, and the number of islands.
 
-    `degrees` is the opening angle of the wedge.
+    Parameters
+    ----------
+    components, grids
+        See `studies.wedge_islands.follow_islands`.
+    degrees
+        Opening angle of the wedge.
     """
-    cotangent = 1 / math.tan(math.radians(degrees))
-    figure, (row,) = style.new_figure(1, 2, width=13.0, height=5.4)
-    tracks, counts = row
+    figure, ((tracks, counts),) = style.new_figure(1, 2, width=13.0, height=5.4)
+    _draw_tracks(tracks, components)
+    _draw_counts(counts, grids, cotangent=1 / math.tan(math.radians(degrees)))
+    figure.suptitle("A wedge under refinement: its islands move towards the apex and never vanish")
+    return figure
+
+
+def _draw_tracks(axes: Axes, components: pd.DataFrame) -> None:
+    """Draw the components of each grid as bars, linked to the components that they continue."""
     last: pd.DataFrame | None = None
     for _, of_grid in components.groupby("grid"):
         table = of_grid.reset_index(drop=True)
-        size = table["cell_size"]
         for is_main, colour in ((True, style.MATERIAL), (False, style.CONNECTING)):
-            chosen = table["is_main"] == is_main
-            tracks.hlines(
-                size[chosen],
-                table["start"][chosen],
-                table["stop"][chosen],
-                color=colour,
-                linewidth=4,
-            )
-        islands = table[~table["is_main"]]  # A notch where one begins: some touch at a corner.
-        tracks.plot(
+            bars = table[table["is_main"] == is_main]
+            axes.hlines(bars["cell_size"], bars["start"], bars["stop"], color=colour, linewidth=4)
+        # A notch marks where an island begins, because some islands touch at a corner.
+        islands = table[~table["is_main"]]
+        axes.plot(
             islands["start"], islands["cell_size"], "|", color="white", markersize=6, zorder=4
         )
         if last is not None:
-            linked = table[table["continues"] >= 0]
-            before = last.iloc[linked["continues"]]
-            ends = [
-                t["start"].where(t["is_main"], np.sqrt(t["start"] * t["stop"]))
-                for t in (linked, before)
-            ]
-            for x1, x0 in zip(*ends, strict=True):
-                tracks.plot(
-                    [x0, x1],
-                    [last["cell_size"].iloc[0], size.iloc[0]],
-                    color="#777777",
-                    linewidth=0.7,
-                    zorder=3,
-                )
+            _draw_links(axes, last, table)
         last = table
-    tracks.set_xscale("log")
-    tracks.set_yscale("log", base=2)
-    tracks.invert_yaxis()
-    tracks.set_xlabel("distance from the apex [-]")
-    tracks.set_ylabel("cell size [-], finer upwards")
-    tracks.set_title("islands (red) and main body (blue), linked to what they continue", fontsize=9)
-    counts.step(
-        grids["cell_size"],
-        grids["islands"],
-        where="mid",
-        color=style.CONNECTING,
-        label="islands of cells joined by faces",
+    axes.set_xscale("log")
+    axes.set_yscale("log", base=2)
+    axes.invert_yaxis()
+    axes.set_xlabel("distance from the apex [-]")
+    axes.set_ylabel("cell size [-], finer upwards")
+    axes.set_title("islands (red) and main body (blue), linked to what they continue", fontsize=9)
+
+
+def _draw_links(axes: Axes, last: pd.DataFrame, table: pd.DataFrame) -> None:
+    """Draw a line from each component to the one of the coarser grid that it continues."""
+    linked = table[table["continues"] >= 0]
+    before = last.iloc[linked["continues"]]
+    x_now, x_before = (
+        part["start"].where(part["is_main"], np.sqrt(part["start"] * part["stop"])).to_numpy()
+        for part in (linked, before)
     )
-    counts.step(
-        grids["cell_size"],
-        grids["islands_of_mesh"],
-        where="mid",
-        color="C0",
-        label="islands of the anti-aliased mesh",
-    )
-    for end, marker in (("first", "v"), ("last", "^")):
-        counts.plot(
-            grids["cell_size"],
-            grids[f"{end}_in_cells"],
+    sizes = [last["cell_size"].iloc[0], table["cell_size"].iloc[0]]
+    for x, x_last in zip(x_now, x_before, strict=True):
+        axes.plot([x_last, x], sizes, color="#777777", linewidth=0.7, zorder=3)
+
+
+def _draw_counts(axes: Axes, grids: pd.DataFrame, *, cotangent: float) -> None:
+    """Draw the number of islands on each grid, and the range of distances they are in."""
+    size = grids["cell_size"]
+    for column, colour, label in (
+        ("islands", style.CONNECTING, "islands of cells joined by faces"),
+        ("islands_of_mesh", "C0", "islands of the anti-aliased mesh"),
+    ):
+        axes.step(size, grids[column], where="mid", color=colour, label=label)
+    for column, marker, word in (
+        ("first_in_cells", "v", "first"),
+        ("last_in_cells", "^", "last"),
+    ):
+        axes.plot(
+            size,
+            grids[column],
             marker,
             color="#777777",
             markersize=4,
-            label=f"{'begin' if end == 'first' else 'end'} of the islands [cells from the apex]",
+            label=f"{word} island [cells from the apex]",
         )
-    counts.axhspan(
+    axes.axhspan(
         cotangent / 2,
         cotangent,
         color="#999933",
@@ -174,12 +186,11 @@ def draw_wedge_islands(components: pd.DataFrame, grids: pd.DataFrame, *, degrees
         linewidth=0,
         label=r"the paper's $[1/2, 1] \cot\,\alpha$ [cells from the apex]",
     )
-    counts.set_xscale("log", base=2)
-    counts.invert_xaxis()
-    counts.set_xlabel("cell size [-], finer to the right")
-    counts.set_ylabel("number [-], or distance [cells]")
-    counts.yaxis.set_major_locator(MaxNLocator(integer=True))
-    counts.set_ylim(-0.5, 27)
-    counts.legend(fontsize=8, frameon=False)
-    figure.suptitle("A wedge under refinement: its archipelago moves to the apex and never goes")
-    return figure
+    axes.set_xscale("log", base=2)
+    axes.invert_xaxis()
+    axes.set_xlabel("cell size [-], finer to the right")
+    axes.set_ylabel("number [-], or distance [cells]")
+    axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+    # The legend is above the highest point.
+    axes.set_ylim(top=1.5 * max(float(grids["last_in_cells"].max()), cotangent))
+    axes.legend(fontsize=8, frameon=False)

@@ -9,7 +9,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from studies.orientation import MAJORITY, POLICY, ROBUST, TOUCHING
+from studies.orientation import AS_CONFIGURED, SUB_CELLS_MAJORITY, TOUCHING
+from studies.stability import ROBUST
 from tusqh.figures import style
 
 
@@ -21,7 +22,7 @@ def draw_stability(stability: pd.DataFrame, *, threshold: float, name: str) -> F
     Parameters
     ----------
     stability
-        See `studies.orientation.map_stability`.
+        See `studies.stability.map_stability`.
     threshold
         The model's chosen threshold, dimensionless; marked.
     name
@@ -33,7 +34,7 @@ def draw_stability(stability: pd.DataFrame, *, threshold: float, name: str) -> F
         1, 3, width=3.2 + 3.0 * len(cells), height=0.4 * len(thresholds) + 2.0
     )
     image: Any = None
-    for panel, scheme in zip(axes[0], (TOUCHING, MAJORITY, POLICY), strict=True):
+    for panel, scheme in zip(axes[0], (TOUCHING, SUB_CELLS_MAJORITY, AS_CONFIGURED), strict=True):
         of_scheme = stability[stability["scheme"] == scheme]
         image = panel.imshow(
             of_scheme.pivot(index="threshold", columns="cells", values="agreement").to_numpy(),

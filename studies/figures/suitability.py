@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from studies.suitability import CHOSEN, OURS, RAW, REPAIRED
+from studies.suitability import OURS, OWN_THRESHOLD, RAW, REPAIRED
 from tusqh.figures import style
 
 _LOOKS = {RAW: (style.OUTLINE, "o"), REPAIRED: (style.BRIDGE, "s"), OURS: (style.CONNECTING, "D")}
@@ -29,7 +29,7 @@ def draw_suitability(table: pd.DataFrame) -> Figure:
     table
         See `studies.suitability.compare_suitability`.
     """
-    chosen = table[table["choice"] == CHOSEN]
+    chosen = table[table["choice"] == OWN_THRESHOLD]
     betti = chosen.set_index(["scheme", "model"])[["betti_0", "betti_1", "betti_2"]]
     models = list(dict.fromkeys(chosen["model"]))
     figure, axes = style.new_figure(1, len(_PANELS), width=15.0, height=0.32 * len(models) + 1.8)

@@ -1,4 +1,4 @@
-"""What files say, and how equal two of them are."""
+"""The content of files, and the equality of two contents."""
 
 import numpy as np
 import pytest
@@ -7,24 +7,27 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from provenance.content import Content, Numbers, read_content, sketch
-from provenance.equality import Equality, class_of, reached
+from provenance.content import Content, Numbers, sketch
+from provenance.equality import EqualityRules, is_numerically_equal
+from provenance.plan import EQUALITY
+from provenance.read_content import read_content
+from tusqh.errors import ConfigError
 from tusqh.meshes.export import write_vtu
 from tusqh.meshes.formats import write_mesh
 from tusqh.meshes.volume_mesh import VolumeMesh
 
 
-def compare(one, other, required=Equality.NUMERIC):
-    return reached(required, read_content(one), read_content(other))
+def compare(one, other, tolerance=1e-9):
+    return is_numerically_equal(read_content(one), read_content(other), tolerance)
 
 
 @pytest.mark.parametrize(
-    ("text", "equality"),
+    ("text", "tolerance"),
     [
-        ("name,x,n\na,1.5,1\nb,2.5e3,2\n", "canonical"),
-        ("name,x,n\nb,2500.0,2\na,1.50,1\n", "canonical"),
-        ("name,x,n\na,1.5000000000001,1\nb,2.5e3,2\n", "canonical"),
-        ("name,x,n\na,1.5000001,1\nb,2.5e3,2\n", "numeric"),
+        ("name,x,n\na,1.5,1\nb,2.5e3,2\n", 1e-9),
+        ("name,x,n\nb,2500.0,2\na,1.50,1\n", 1e-9),
+        ("name,x,n\na,1.5000000000001,1\nb,2.5e3,2\n", 1e-9),
+        ("name,x,n\na,1.5000001,1\nb,2.5e3,2\n", 1e-6),
         ("name,x,n\na,1.50001,1\nb,2.5e3,2\n", None),
         ("name,x,n\na,1.5,2\nb,2.5e3,2\n", None),
         ("name,x,n\na,1.5,1\n", None),
@@ -32,27 +35,20 @@ def compare(one, other, required=Equality.NUMERIC):
         ("name,x,n\na,nan,1\nb,2.5e3,2\n", None),
     ],
 )
-def test_tables(tmp_path, text, equality):
+def test_tables(tmp_path, text, tolerance):
+    """Two tables are equal within the tolerance, if any, and not within a smaller one."""
     (tmp_path / "a.csv").write_text("name,x,n\na,1.5,1\nb,2.5e3,2\n")
     (tmp_path / "b.csv").write_text(text)
-    assert compare(tmp_path / "a.csv", tmp_path / "b.csv") == equality
+    found = [t for t in (1e-9, 1e-6) if compare(tmp_path / "a.csv", tmp_path / "b.csv", t)]
+    assert (found[0] if found else None) == tolerance
 
 
-def test_a_stricter_class_does_not_fall_back(tmp_path):
-    for name, number in (("a", "1.5"), ("b", "1.5000001")):
-        (tmp_path / f"{name}.csv").write_text(f"x\n{number}\n")
-    paths = (tmp_path / "a.csv", tmp_path / "b.csv")
-    assert compare(*paths) == "numeric"
-    assert compare(*paths, Equality.CANONICAL) is None
-    assert compare(*paths, Equality.EXACT) is None
-
-
-def test_rounding_errors_in_columns_of_errors_are_no_difference(tmp_path):
+def test_rounding_errors_in_columns_of_errors_are_not_a_difference(tmp_path):
     for name, number in (("a", "1e-16"), ("b", "3e-16")):
         (tmp_path / f"{name}.csv").write_text(f"relative_error,x\n{number},1.0\n")
         (tmp_path / f"other_{name}.csv").write_text(f"x\n{number}\n")
-    assert compare(tmp_path / "a.csv", tmp_path / "b.csv") == "canonical"
-    assert compare(tmp_path / "other_a.csv", tmp_path / "other_b.csv") is None
+    assert compare(tmp_path / "a.csv", tmp_path / "b.csv")
+    assert not compare(tmp_path / "other_a.csv", tmp_path / "other_b.csv")
 
 
 @pytest.fixture(params=[2, 3], ids=["quads", "hexes"])
@@ -89,12 +85,8 @@ def test_a_mesh_is_the_same_however_it_is_numbered(mesh, tmp_path, suffix):
     write = write_vtu if suffix == ".vtu" else write_mesh
     for name, other in others.items():
         write(tmp_path / f"{name}{suffix}", other)
-    found = {
-        name: compare(tmp_path / f"same{suffix}", tmp_path / f"{name}{suffix}", Equality.CANONICAL)
-        for name in others
-    }
-    same = dict.fromkeys(("same", "renumbered", "noise"), Equality.CANONICAL)
-    assert found == same | {"moved": None, "cut": None}
+    equal = {n for n in others if compare(tmp_path / f"same{suffix}", tmp_path / f"{n}{suffix}")}
+    assert equal == {"same", "renumbered", "noise"}
 
 
 def test_arrays_do_not_depend_on_their_compression(tmp_path):
@@ -103,8 +95,8 @@ def test_arrays_do_not_depend_on_their_compression(tmp_path):
     np.savez_compressed(tmp_path / "b.npz", values=values)
     values[500] += 1
     np.savez(tmp_path / "c.npz", values=values)
-    assert compare(tmp_path / "a.npz", tmp_path / "b.npz") == "canonical"
-    assert compare(tmp_path / "a.npz", tmp_path / "c.npz") is None
+    assert compare(tmp_path / "a.npz", tmp_path / "b.npz")
+    assert not compare(tmp_path / "a.npz", tmp_path / "c.npz")
 
 
 @given(
@@ -130,19 +122,30 @@ def test_contents_survive_the_lock(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("path", "equality"),
+    ("path", "equality", "tolerance"),
     [
-        ("results/bay/curves.csv", "exact"),
-        ("results/bay/diagram.csv", "canonical"),
-        ("results/bay/simulation/concentration_00001.vtu", "numeric"),
-        ("results/bay/sweep/0.5.vtu", "canonical"),
-        ("results/figures/pinches.png", "visual"),
-        ("results/tables/peers_timing.csv", "measured"),
-        ("results/bunny/peers/pytetwild.csv", "measured"),
-        ("results/bunny/peers/tusqh.csv", "exact"),
-        ("results/tables/peers_summary.csv", "measured"),
-        ("results/page/results.md", "visual"),
+        ("results/bay/curves.csv", "exact", 0),
+        ("results/bay/diagram.csv", "numeric", 1e-9),
+        ("results/bay/simulation/concentration_00001.vtu", "numeric", 1e-6),
+        ("results/bay/sweep/0.5.vtu", "numeric", 1e-9),
+        ("results/figures/pinches.png", "unchecked", 0),
+        ("results/tables/peers_timing.csv", "unchecked", 0),
+        ("results/bunny/peers/pytetwild.csv", "unchecked", 0),
+        ("results/bunny/peers/tusqh.csv", "exact", 0),
+        ("results/tables/peers_summary.csv", "unchecked", 0),
+        ("results/page/results.md", "unchecked", 0),
+        ("results/workflow/Snakefile", "unchecked", 0),
     ],
 )
-def test_every_output_has_its_class(path, equality):
-    assert class_of(path) == equality
+def test_every_output_has_its_class(repository, path, equality, tolerance):
+    rule = EqualityRules.from_file(repository / EQUALITY).of(path)
+    assert (rule.equality, rule.tolerance) == (equality, tolerance)
+
+
+@pytest.mark.parametrize(
+    "text", ["- {pattern: a}", "- {pattern: a, equality: same}", "a: 1", "- 1", "["]
+)
+def test_broken_rules_are_explained(tmp_path, text):
+    (tmp_path / "equality.yaml").write_text(text)
+    with pytest.raises(ConfigError, match=r"equality\.yaml"):
+        EqualityRules.from_file(tmp_path / "equality.yaml")

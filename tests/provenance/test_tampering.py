@@ -5,11 +5,15 @@ import os
 import shutil
 
 import pytest
+from workflow_runs import succeed
 
 from provenance import check, compare
+from provenance.digests import Digests
 from provenance.environment import installed_versions
 from provenance.findings import Outcome, merge
 from provenance.register import read_register
+from provenance.stored import read_records
+from provenance.verify import require_lockable
 from tusqh.errors import ConfigError, ProvenanceError
 
 DIFFERENT, CANNOT_TELL, SAME = Outcome.DIFFERENT, Outcome.CANNOT_TELL, Outcome.SAME
@@ -29,8 +33,7 @@ def find(report, file):
 
 
 def state_of(project, path):
-    check.digest_now.cache_clear()
-    return {"sha256": check.digest_now(path), "size": (project / path).stat().st_size}
+    return {"sha256": Digests().of(path), "size": (project / path).stat().st_size}
 
 
 def test_untouched_results_are_the_same_in_another_place(checkout):
@@ -77,13 +80,13 @@ def test_edited_records_are_caught(project):
         project.edit_record(
             f"{RECORDS}/{key}.json", lambda what, change=change: what.update(change)
         )
-    laid_out_anew = f"{RECORDS}/ring/mesh.json"
-    text = json.dumps(json.loads((project / laid_out_anew).read_text()))
-    project.write(laid_out_anew, text.encode())
+    with_another_layout = f"{RECORDS}/ring/mesh.json"
+    text = json.dumps(json.loads((project / with_another_layout).read_text()))
+    project.write(with_another_layout, text.encode())
     report = project.verify()
     for key in changes:
         assert report.outcomes[key] is DIFFERENT, key
-    assert find(report, laid_out_anew)[0].found == "was written by something else than a step"
+    assert find(report, with_another_layout)[0].found == "was not written by a workflow step"
 
 
 def test_edited_digests_and_sizes_in_records_are_caught(project):
@@ -117,7 +120,7 @@ def test_a_table_forged_together_with_its_record_is_caught(project):
     report = project.verify()
     assert report.outcomes["plate/persistence"] is DIFFERENT, "the lock knows better"
     assert report.outcomes["plate/select"] is DIFFERENT, "it has read another table"
-    assert any("as locked, class exact" in finding.expected for finding in find(report, table))
+    assert any("as locked, equality exact" in finding.expected for finding in find(report, table))
 
 
 def test_a_changed_source_and_a_register_that_disagrees_are_caught(project):
@@ -128,14 +131,14 @@ def test_a_changed_source_and_a_register_that_disagrees_are_caught(project):
     (changed,) = find(report, "data_sources/plate.svg")
     (disagrees,) = [f for f in merge(report.findings) if f.file == "data_sources/ring.stl"]
     assert "restore the source file" in changed.remedy
-    assert "as data_sources/register.csv says" in disagrees.expected
+    assert "according to data_sources/register.csv" in disagrees.expected
 
 
 def test_a_source_that_is_gone_is_caught(project):
     (project / "data_sources/plate.svg").unlink()
     report = project.verify()
     assert report.verdict is DIFFERENT
-    assert find(report, "data_sources/plate.svg")[0].found == "not there"
+    assert find(report, "data_sources/plate.svg")[0].found == "the file does not exist"
 
 
 @pytest.mark.parametrize(
@@ -185,12 +188,31 @@ def test_another_version_of_a_package_is_caught(project, monkeypatch):
     assert "pip install -r requirements.lock" in finding.remedy
 
 
-def test_a_claim_made_false_is_caught(checkout):
+def test_a_claim_that_changes_its_status_is_caught(checkout):
     checkout.edit("workflow/claims.yaml", "expected: 0.70710678", "expected: 1.70710678")
     report = checkout.verify()
     (finding,) = find(report, "claim quads-are-well-shaped")
     assert finding.outcome is DIFFERENT
+    assert finding.found.startswith("refuted: ")
     assert "a margin of -" in finding.found
+    assert finding.expected.startswith("holds: ")
+
+
+def test_a_refuted_claim_that_was_accepted_is_not_a_difference(checkout):
+    text = (checkout / "workflow/claims.yaml").read_text()
+    claim = text[text.index("- id: quads-are-well-shaped") :]
+    claim = claim[: claim.index("accepted: holds") + len("accepted: holds")]
+    refuted = claim.replace("expected: 0.7", "expected: 1.7").replace(": holds", ": refuted")
+    checkout.edit("workflow/claims.yaml", claim, refuted)
+    report = checkout.verify()
+    assert not [f for f in report.findings if f.file.startswith("claim ")]
+
+
+def test_a_lock_is_refused_while_a_claim_has_another_status(checkout):
+    checkout.edit("workflow/claims.yaml", "accepted: holds", "accepted: refuted")
+    succeed(checkout.folder, snakefile=checkout.snakefile, PYTHONPATH=str(checkout.folder))
+    with pytest.raises(ProvenanceError, match=r"claim prediction-is-measurement: holds: "):
+        require_lockable(checkout.plan(), read_records())
 
 
 def test_deleted_and_swapped_outputs_are_caught(project):
@@ -202,7 +224,7 @@ def test_deleted_and_swapped_outputs_are_caught(project):
     for file, content in zip(swapped, reversed(contents), strict=True):
         project.write(file, content)
     report = project.verify()
-    assert {find(report, file)[0].found for file in deleted} == {"not there"}
+    assert {find(report, file)[0].found for file in deleted} == {"the file does not exist"}
     assert all(find(report, file)[0].outcome is DIFFERENT for file in deleted + swapped)
 
 
@@ -228,7 +250,7 @@ def test_what_only_the_lock_or_only_the_workflow_has_cannot_be_told(project):
     def change(lock):
         del lock["steps"]["plate/mesh"]["outputs"]["results/plate/mesh.vtu"]
         lock["steps"]["plate/mesh"]["outputs"]["results/plate/old.vtu"] = {
-            "class": "exact",
+            "equality": "exact",
             "sha256": 64 * "0",
         }
         lock["steps"]["cow/mesh"] = lock["steps"]["plate/mesh"]
@@ -237,7 +259,7 @@ def test_what_only_the_lock_or_only_the_workflow_has_cannot_be_told(project):
     edit_lock(project, change)
     report = project.verify()
     assert report.verdict is CANNOT_TELL
-    assert "nothing about the file" in find(report, "results/plate/mesh.vtu")[0].found
+    assert "does not contain the file" in find(report, "results/plate/mesh.vtu")[0].found
     assert "does not write it today" in find(report, "results/plate/old.vtu")[0].found
     assert "does not have today" in find(report, "results/lock.json")[0].found
     assert any(f.file == "data_sources/plate.svg" and f.outcome is SAME for f in report.findings)
@@ -252,7 +274,7 @@ def test_what_only_the_lock_or_only_the_workflow_has_cannot_be_told(project):
         lambda lock: lock["steps"]["plate/mesh"].pop("parameters"),
         lambda lock: lock["steps"]["plate/mesh"]["outputs"]["results/plate/mesh.vtu"].pop("sha256"),
         lambda lock: lock["steps"]["plate/mesh"]["outputs"]["results/plate/mesh.vtu"].update(
-            {"class": "bogus"}
+            {"equality": "bogus"}
         ),
         lambda lock: lock["steps"]["plate/mesh"]["outputs"]["results/plate/mesh.vtu"].update(
             {"content": {}}
@@ -281,7 +303,7 @@ def test_a_broken_record_is_a_finding(project, change):
     project.edit_record(f"{RECORDS}/plate/mesh.json", change)
     report = project.verify()
     (finding,) = find(report, f"{RECORDS}/plate/mesh.json")
-    assert "is not as a step writes it" in finding.found
+    assert "does not follow the schema" in finding.found
 
 
 @pytest.mark.parametrize("how", ['{"seconds": "x"}', '{"seconds": null}', "[]", ""])

@@ -6,13 +6,13 @@ import numpy as np
 from oracles import gudhi_betti
 
 from studies.aliasing import compare_examples, sweep_axis_gap
+from studies.methods.raw_mesh import closed_betti, raw_mesh
 from studies.pinch_catalogue import (
     connect_edges,
     list_configurations,
     resolve_series,
     tabulate_catalogue,
 )
-from studies.raw_cells import closed_betti, raw_mesh
 from tusqh.antialias.pinches import pinch_table
 
 

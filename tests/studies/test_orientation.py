@@ -7,20 +7,11 @@ import pandas as pd
 import pytest
 from shapes import box
 
-from studies.orientation import (
-    BETTI,
-    POLICY,
-    SCHEMES,
-    TOUCHING,
-    map_stability,
-    measure_spread,
-    pool_spreads,
-    recommend_grid,
-    spread_of,
-    vary_placement,
-)
+from studies.methods.raw_mesh import raw_mesh
+from studies.orientation import AS_CONFIGURED, BETTI, SCHEMES, TOUCHING, vary_placement
 from studies.placements import Placement, lay_grids, random_placements
-from studies.raw_cells import raw_mesh
+from studies.spread import measure_spread, pool_spreads, spread_of
+from studies.stability import map_stability, recommend_grid
 from tusqh.geometry.outline import Outline
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import sample_fractions
@@ -104,7 +95,7 @@ def made_up(raw, decided, policy, cells=8, threshold=0.5):
 def test_a_spread_that_halves_shrinks_by_half():
     table = made_up([1, 5, 1, 5] * 10, [1, 3, 1, 3] * 10, [1] * 40)
     spread = measure_spread(table, name="a", target=Target(betti_0=1)).set_index("scheme")
-    spread = spread.loc[["sub-cells, majority", POLICY]]
+    spread = spread.loc[["sub-cells, majority", AS_CONFIGURED]]
     assert spread["raw_spread"].tolist() == [2, 2]
     assert spread["spread"].tolist() == [1, 0]
     assert spread["shrinks"].tolist() == [0.5, 1]
@@ -145,11 +136,15 @@ def test_the_recommended_grid_is_the_coarsest_robust_one():
     table = pd.concat([coarse, fine], ignore_index=True)
     stability = map_stability(table, name="a", target=Target(betti_0=1))
     grids = recommend_grid(stability, table).set_index("scheme")
-    assert grids.loc[POLICY, ["cells", "threshold", "share", "robust"]].tolist() == [
+    assert grids.loc[AS_CONFIGURED, ["cells", "threshold", "share", "robust"]].tolist() == [
         *(16, 0.3, 0.95),
         True,
     ]
-    assert grids.loc[POLICY, ["topologies", "robust_topologies", "accidents"]].tolist() == [2, 1, 1]
+    assert grids.loc[AS_CONFIGURED, ["topologies", "robust_topologies", "accidents"]].tolist() == [
+        2,
+        1,
+        1,
+    ]
     assert not grids.loc[TOUCHING, "robust"]
     assert grids.loc[TOUCHING, "share"] == 0.5
 
@@ -160,7 +155,7 @@ def test_criteria_act_on_the_last_scheme_only():
     )
     betti_0 = table.groupby("scheme")["betti_0"].max()
     assert (betti_0[list(SCHEMES[:-1])] == 1).all()
-    assert betti_0[POLICY] == 0
+    assert betti_0[AS_CONFIGURED] == 0
 
 
 def test_a_grid_laid_by_hand_is_the_grid_of_the_placement():

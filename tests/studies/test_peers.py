@@ -1,4 +1,4 @@
-"""Other meshers: judged by measures with known answers, and never able to stop the workflow."""
+"""Other meshers: their measures have known answers, and they cannot stop the workflow."""
 
 import numpy as np
 import pandas as pd
@@ -8,14 +8,14 @@ from hypothesis import strategies as st
 from needs import import_or_require
 from shapes import box
 
+import tusqh
 from studies import peer_meshers
-from studies.peers import COLUMNS, compare_with_peers, run_peer
-from studies.raw_cells import raw_mesh
-from studies.solids import cut_tets, describe_solid, measure_fit
+from studies.methods.raw_mesh import raw_mesh
+from studies.methods.solids import cut_tets, describe_solid, measure_fit
+from studies.peers import PEER_COLUMNS, compare_with_peers, run_peer
 from tusqh.grid import BackgroundGrid
 from tusqh.meshes.jacobians import corner_jacobians, element_volumes
-from tusqh.sampling.fractions import sample_fractions
-from tusqh.settings.policy import Policy
+from tusqh.settings.model import Settings
 
 #: A cube as five and as six tetrahedra.
 CUBE = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], dtype=float)
@@ -75,12 +75,20 @@ def test_the_fit_of_a_box_in_a_larger_box():
     assert max(same.values()) < 1e-7
 
 
-def run(peer, seconds=60, **changes):
+def run(peer, seconds=60, settings=None, policy=None, **changes):
     soup = box((0, 0, 0), (2, 1, 1))
-    grid = BackgroundGrid((8, 4, 4), 0.25, (0.0, 0.0, 0.0))
-    fractions = sample_fractions(soup, grid)
-    how = {"threshold": 0.5, "is_clamped": False, "name": "box"} | changes
-    return run_peer(peer, soup, fractions, Policy(), seconds=seconds, **how)
+    settings = {"grid": {"cells": 8}} | (settings or {})
+    chosen = tusqh.mesh(soup, threshold=0.5, **settings["grid"], **(policy or {}))
+    return run_peer(
+        peer,
+        soup,
+        chosen.fractions,
+        chosen.selection,
+        settings=Settings.from_dict(settings),
+        seconds=seconds,
+        name="box",
+        **changes,
+    )
 
 
 @pytest.mark.parametrize("peer", sorted(peer_meshers.PEERS))
@@ -89,7 +97,7 @@ def test_every_peer_meshes_a_box(peer):
         import_or_require(peer)
     row, timing = run(peer)
     assert row["status"] == "finished"
-    assert list(row) == COLUMNS
+    assert list(row) == PEER_COLUMNS
     assert row["manifold"]
     assert (row["betti_0"], row["betti_1"], row["betti_2"]) == (1, 0, 0)
     assert row["worst_scaled_jacobian"] > 0.1
@@ -100,11 +108,18 @@ def test_every_peer_meshes_a_box(peer):
     assert timing["elements"] > 0
 
 
+def test_our_mesh_is_the_one_of_the_pipeline():
+    """All settings reach the peer called tusqh: a policy and a window that change the mesh."""
+    settings = {"grid": {"cells": 8}, "window": {"lower": [0, 0, 0], "upper": [1, 1, 1]}}
+    row, timing = run("tusqh", settings=settings)
+    assert timing["elements"] == 8**3
+    assert row["status"] == "finished"
+
+
 def test_a_missing_package_a_crash_an_error_and_a_hang_are_rows(tmp_path, monkeypatch):
     """The process reads a module of the peer's name from the first folder on its path."""
     package = tmp_path / "pytetwild.py"
     monkeypatch.setattr("studies.peers._PATIENCE", 3)
-    monkeypatch.setattr("studies.peers._FIRST_ON_PATH", str(tmp_path))
     outcomes = {
         "raise ModuleNotFoundError('no module pytetwild')": "not installed",
         "import os; os.kill(os.getpid(), 11)": "crashed with signal 11",
@@ -114,7 +129,7 @@ def test_a_missing_package_a_crash_an_error_and_a_hang_are_rows(tmp_path, monkey
     }
     for text, status in outcomes.items():
         package.write_text(text)
-        row, timing = run("pytetwild", seconds=4)
+        row, timing = run("pytetwild", seconds=4, python_path=[tmp_path])
         assert row["status"] == timing["status"] == status
         assert row["manifold"] is None
         assert np.isnan(timing["seconds"])

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from shapely.geometry import Polygon, box
 
 from studies.aliasing import wedge
-from studies.polygon_areas import (
+from studies.methods.exact_fractions import (
     area_in_boxes,
     exact_cell_fractions,
     exact_fractions,

@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles import gudhi_betti
 
-from studies.neumann import (
+from studies.methods.raw_mesh import closed_betti, raw_mesh
+from studies.methods.stiffness import (
     assemble_stiffness,
     count_kernel,
     count_mechanisms,
@@ -17,7 +18,7 @@ from studies.neumann import (
     estimate_condition,
     label_parts,
 )
-from studies.raw_cells import closed_betti, raw_mesh
+from studies.methods.whole_cell_repair import repair_by_cells
 from studies.suitability import (
     OURS,
     RAW,
@@ -26,7 +27,6 @@ from studies.suitability import (
     measure_suitability,
     summarise_suitability,
 )
-from studies.whole_cells import repair_by_cells
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.clusters import decide_by_vote
 from tusqh.antialias.pinches import find_pinches

@@ -23,7 +23,7 @@ from provenance.code import code_fingerprint, list_code
 from tusqh.quality.system_libraries import describe_missing
 from tusqh.settings.load import load_config
 from tusqh.settings.section import to_plain
-from studies.results_page import picture_name
+from studies.render_page import picture_name
 
 FIGURES = {
     2: ["field", "thresholds", "diagram", "curves", "antialias", "contaminant"],

@@ -1,4 +1,4 @@
-# Tusqh beside other programs, on the same dirty surfaces; the optional ones: pip install ".[peers]".
+# Tusqh and other programs on the same dirty surfaces; pip install ".[peers]" installs the optional ones.
 rule peer:
     input:
         **files("geometry", "fractions", "selection"),
@@ -8,6 +8,8 @@ rule peer:
     wildcard_constraints:
         model=any_of(3),
     params:
+        grid=settings_of("grid"),
+        window=settings_of("window"),
         sampling=settings_of("sampling"),
         seconds=STUDY["seconds"],
     script:
@@ -21,7 +23,7 @@ rule peers:
     output:
         table=report("results/tables/peers.csv", "../report/peers.rst", category="Tables"),
         summary=report("results/tables/peers_summary.csv", "../report/peers.rst", category="Tables"),
-        # Seconds: not the same twice, so in a file of their own.
+        # Times differ from run to run, so they have a file of their own.
         timing="results/tables/peers_timing.csv",
     script:
         "../scripts/peers.py"

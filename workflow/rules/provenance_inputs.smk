@@ -1,8 +1,7 @@
 # What the rules of claims and of the crate read, as far as functions say so.
 import yaml
 
-from provenance.content import read_content
-from tusqh.hashing import hash_value
+from provenance.code import workflow_digest
 from provenance.register import read_register
 
 CITATION = yaml.safe_load((BASE / "CITATION.cff").read_text("utf-8"))
@@ -34,8 +33,8 @@ def everything_else(wildcards):
 
 
 def workflow_fingerprint(wildcards):
-    """Return a digest of the workflow's files, comments aside."""
-    return hash_value([read_content(BASE / file).skeleton for file in WORKFLOW_FILES])
+    """Return a digest of the workflow's files without comments."""
+    return workflow_digest([BASE / file for file in WORKFLOW_FILES])
 
 
 def sources(wildcards):

@@ -7,19 +7,24 @@ from provenance.record import recorded
 from studies.peers import run_peer
 from tusqh.geometry.canonical import load_geometry
 from tusqh.sampling.io import load_fractions
-from tusqh.settings.policy import Policy
+from tusqh.settings.grid import Grid, Window
+from tusqh.settings.model import Settings
 from tusqh.settings.sampling import Sampling
 from tusqh.tables import write_csv
+from tusqh.threshold.select import Selection
 
 with recorded(snakemake) as log:
-    selection = json.loads(Path(snakemake.input.selection).read_text())
+    window = snakemake.params.window
     row, timing = run_peer(
         snakemake.wildcards.peer,
         load_geometry(Path(snakemake.input.geometry)),
         load_fractions(Path(snakemake.input.fractions)),
-        Policy.from_dict(selection["policy"]),
-        threshold=selection["threshold"],
-        is_clamped=Sampling.from_dict(snakemake.params.sampling).rule == "clamped",
+        Selection.from_dict(json.loads(Path(snakemake.input.selection).read_text())),
+        settings=Settings(
+            grid=Grid.from_dict(snakemake.params.grid),
+            sampling=Sampling.from_dict(snakemake.params.sampling),
+            window=window and Window.from_dict(window),
+        ),
         seconds=snakemake.params.seconds,
         name=snakemake.wildcards.model,
     )

@@ -2,13 +2,9 @@ import json
 from pathlib import Path
 
 from provenance.record import recorded
-from studies.orientation import (
-    THRESHOLDS,
-    map_stability,
-    measure_spread,
-    recommend_grid,
-    vary_placement,
-)
+from studies.orientation import STUDY_THRESHOLDS, vary_placement
+from studies.spread import measure_spread
+from studies.stability import map_stability, recommend_grid
 from tusqh.geometry.canonical import load_geometry
 from tusqh.progress import log_progress
 from tusqh.settings.goal import Goal
@@ -26,7 +22,7 @@ with recorded(snakemake) as log:
     table = vary_placement(
         load_geometry(Path(snakemake.input.geometry)),
         Policy.from_dict(selection["policy"]),
-        sorted({*THRESHOLDS, selection["threshold"]}),
+        sorted({*STUDY_THRESHOLDS, selection["threshold"]}),
         snakemake.params.cells,
         count=snakemake.params.placements,
         progress=log_progress("placements"),

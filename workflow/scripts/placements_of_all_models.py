@@ -4,7 +4,7 @@ from pathlib import Path
 import pandas as pd
 
 from provenance.record import recorded
-from studies.orientation import pool_spreads
+from studies.spread import pool_spreads
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:

@@ -1,7 +1,7 @@
 from pathlib import Path
 
 from provenance.record import recorded
-from studies.results_page import copy_pictures, render_page
+from studies.render_page import copy_pictures, render_page
 from tusqh.atomic import write_text
 
 with recorded(snakemake) as log:

@@ -2,7 +2,7 @@ import json
 from pathlib import Path
 
 from provenance.record import recorded
-from studies.suitability import CHOSEN, compare_suitability
+from studies.suitability import OWN_THRESHOLD, compare_suitability
 from tusqh.antialias.cells import CellSets
 from tusqh.sampling.io import load_fractions
 from tusqh.settings.policy import Policy
@@ -14,7 +14,7 @@ with recorded(snakemake) as log:
     fractions = load_fractions(Path(snakemake.input.fractions))
     table = compare_suitability(
         CellSets(fractions, Policy.from_dict(selection.policy)),
-        {CHOSEN: selection.threshold, "one half": 0.5},
+        {OWN_THRESHOLD: selection.threshold, "one half": 0.5},
         selection.predicted,
         name=snakemake.wildcards.model,
     )

@@ -1,4 +1,4 @@
-"""What a mesh file says: the same mesh, however its points and elements are numbered."""
+"""The content of a mesh file, independent of the numbering of points and elements."""
 
 from __future__ import annotations
 
@@ -7,12 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from provenance.content import Content, of_arrays
+from provenance.content import Content, content_of_arrays
 from tusqh.grid import FloatArray, IntArray
 
 
-def of_vtk(path: Path) -> Content:
-    """Return the content of a VTU file with one kind of elements, or of a VTP file as it is."""
+def content_of_vtk(path: Path) -> Content:
+    """Return the content of a VTU file with one kind of element, or of a VTP file.
+
+    The numbering of points and cells counts in a VTP file.
+    """
     import pyvista
 
     mesh = pyvista.read(path)
@@ -20,14 +23,14 @@ def of_vtk(path: Path) -> Content:
     if isinstance(mesh, pyvista.PolyData):
         arrays = {"points": points, "lines": mesh.lines, "faces": mesh.faces}
         names = {name: [str(v) for v in values] for name, values in mesh.field_data.items()}
-        return of_arrays({**arrays, **mesh.point_data, **mesh.cell_data, **names})
+        return content_of_arrays({**arrays, **mesh.point_data, **mesh.cell_data, **names})
     cells = np.asarray(mesh.cell_connectivity, dtype=np.int64)
     blocks = [cells.reshape(mesh.n_cells, -1)] if mesh.n_cells else []
     on_cells = {name: [values] for name, values in mesh.cell_data.items()}
     return _of_mesh(points, blocks, dict(mesh.point_data.items()), on_cells)
 
 
-def of_meshio(path: Path) -> Content:
+def content_of_meshio(path: Path) -> Content:
     """Return the content of a Gmsh or Exodus file."""
     import meshio
 
@@ -43,8 +46,8 @@ def _of_mesh(
     on_points: dict[str, Any],
     on_cells: dict[str, list[Any]],
 ) -> Content:
-    """Return a mesh with its points sorted by place, and its elements by their sorted corners."""
-    # A step that no grid is a multiple of: rounding then never decides between neighbours.
+    """Return the content of a mesh, points sorted by position, elements by their corners."""
+    # No grid spacing is a multiple of this step, so rounding never decides between neighbours.
     step = max(float(np.ptp(points)) if points.size else 0.0, 1e-300) / 987_654_321.123
     lower = points.min(axis=0, initial=np.inf)
     order = np.lexsort(np.rint((points - lower) / step).T[::-1])
@@ -58,4 +61,4 @@ def _of_mesh(
         arrays[f"elements {k}"] = corners[by_corners]
         for name, values in on_cells.items():
             arrays[f"{name} in elements {k}"] = np.asarray(values[k])[by_corners]
-    return of_arrays(arrays)
+    return content_of_arrays(arrays)

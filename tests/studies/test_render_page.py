@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from provenance.stamp import read_mark, stamp
-from studies.results_page import copy_pictures, picture_name, render_page
+from studies.render_page import copy_pictures, picture_name, render_page
 from tusqh.errors import TusqhError
 
 
