@@ -17,7 +17,7 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.clusters import CONNECT
 from tusqh.antialias.pinches import find_pinches
 from tusqh.antialias.resolve import build_mesh
-from tusqh.grid import QUAD_CORNERS, BackgroundGrid, BoolArray, FloatArray
+from tusqh.grid import QUAD_CORNERS, BackgroundGrid, BoolArray, FloatArray, doubled
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.meshes.checks import check_mesh
 from tusqh.meshes.volume_mesh import KINDS, VolumeMesh
@@ -73,17 +73,15 @@ def cell_rows(panel: str, kept: BoolArray, grid: BackgroundGrid) -> pd.DataFrame
 def sub_cell_rows(panel: str, fractions: VolumeFractions, threshold: float) -> pd.DataFrame:
     """Return the interior edges and vertices as shapes."""
     grid = fractions.grid
-    places = np.argwhere(fractions.values >= threshold)
-    is_body = places % 2 == 1
-    tables = []
-    for axis in range(2):
-        middle = places[is_body[:, axis] & ~is_body[:, 1 - axis]]
-        ends = np.repeat(middle[:, None] / 2, 2, axis=1)
-        ends[:, 0, axis] -= 0.5
-        ends[:, 1, axis] += 0.5
-        tables.append(shape_rows(panel, INTERIOR_EDGE, grid.to_points(ends)))
-    vertices = places[~is_body.any(axis=1)][:, None] / 2
-    tables.append(shape_rows(panel, INTERIOR_VERTEX, grid.to_points(vertices)))
+    is_interior = fractions.values >= threshold
+    edges, vertices = (
+        doubled.marked_edges(is_interior),
+        np.argwhere(is_interior[doubled.vertices(2)]),
+    )
+    tables = [
+        shape_rows(panel, INTERIOR_EDGE, grid.to_points(edges)),
+        shape_rows(panel, INTERIOR_VERTEX, grid.to_points(vertices[:, None])),
+    ]
     return pd.concat(tables, ignore_index=True)
 
 

@@ -26,6 +26,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from tusqh.antialias.clusters import CONNECT, SEPARATE, label_clusters
 from tusqh.grid import BackgroundGrid, BoolArray, FloatArray, IntArray
+from tusqh.grid.neighbourhoods import around_vertices
 from tusqh.settings.policy import BridgeMode
 from tusqh.topology.effective import label_components
 
@@ -128,8 +129,7 @@ class _Joiner:
 
     def component_at_vertex(self) -> IntArray:
         """Return the component of kept cells around every flat vertex, 0 where there are none."""
-        low, high = slice(None, -1), slice(1, None)
-        around = [self.label[x, y] for x in (low, high) for y in (low, high)]
+        around = around_vertices(self.label[1:-1, 1:-1])
         return np.asarray(np.maximum.reduce(around).ravel(), dtype=np.int64)
 
     def may_join(self, a: int, b: int) -> bool:
@@ -160,12 +160,12 @@ def _join_pinches(
     edge = np.pad(is_interior, 1)
     left, right = edge[:-2:2, 1:-1:2], edge[2::2, 1:-1:2]
     down, up = edge[1:-1:2, :-2:2], edge[1:-1:2, 2::2]
-    empty = ~np.pad(kept, 1)
+    lower_left, lower_right, upper_left, upper_right = (~k for k in around_vertices(kept))
     around_empty = (
-        (empty[:-1, :-1] & left & down)
-        | (empty[1:, :-1] & right & down)
-        | (empty[:-1, 1:] & left & up)
-        | (empty[1:, 1:] & right & up)
+        (lower_left & left & down)
+        | (lower_right & right & down)
+        | (upper_left & left & up)
+        | (upper_right & right & up)
     )
     clusters, n_clusters = label_clusters(at_vertex != 0)
     has_way = around_empty & (at_vertex == SEPARATE)
@@ -190,8 +190,7 @@ def _interior_edges(kept: BoolArray, at_vertex: NDArray[np.int8], is_interior: B
     cell = np.arange(kept.size, dtype=np.int64).reshape(kept.shape)
     padded, is_separated = np.pad(kept, 1), at_vertex == SEPARATE
     # A path may pass a vertex only when that is interior; it may end at any vertex of a cell.
-    low, high = slice(None, -1), slice(1, None)
-    touches = np.logical_or.reduce([padded[x, y] for x in (low, high) for y in (low, high)])
+    touches = np.logical_or.reduce(around_vertices(kept))
     usable = is_interior[::2, ::2] | touches
     ends, beside, attaches = [], [], []
     for axis in range(2):
@@ -218,7 +217,7 @@ def _join_paths(
     joiner: _Joiner, kept: BoolArray, at_vertex: NDArray[np.int8], edges: _Edges
 ) -> list[Bridge]:
     """Accept paths, the shortest first, each with cells of its own."""
-    around_vertex = _cells_around(kept.shape)
+    around_vertex = _cells_at_vertices(kept.shape)
     is_taken = np.zeros(kept.size + 1, dtype=bool)  # The last one stands for outside the grid.
     is_taken[around_vertex[at_vertex.ravel() == CONNECT].ravel()] = True
     component = joiner.component_at_vertex()
@@ -291,11 +290,11 @@ def _report_unjoined(joiner: _Joiner, edges: _Edges) -> None:
         joiner.joined.merge(a, b)
 
 
-def _cells_around(shape: tuple[int, ...]) -> IntArray:
-    """Return the flat cells around every vertex, shape (n_vertices, 4); outside has the last."""
+def _cells_at_vertices(shape: tuple[int, ...]) -> IntArray:
+    """Return the flat cells around every flat vertex, shape (n_vertices, 4).
+
+    The number of cells stands for a cell outside the grid.
+    """
     n_cells = int(np.prod(shape))
-    padded = np.full(np.add(shape, 2), n_cells, dtype=np.int64)
-    padded[1:-1, 1:-1] = np.arange(n_cells).reshape(shape)
-    low, high = slice(None, -1), slice(1, None)
-    windows = [padded[x, y].ravel() for x in (low, high) for y in (low, high)]
-    return np.stack(windows, axis=1)
+    from_end = np.arange(n_cells).reshape(shape) - n_cells  # 0 outside the grid.
+    return np.stack([cells.ravel() for cells in around_vertices(from_end)], axis=1) + n_cells

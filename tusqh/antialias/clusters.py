@@ -1,4 +1,4 @@
-"""Clusters of adjacent pinches and the one decision that each of them gets.
+"""Clusters of adjacent pinches, and one decision for each cluster.
 
 "All adjacent pinches must be resolved in the same way" (paper: Anti-aliasing).
 """
@@ -12,7 +12,8 @@ import numpy as np
 from scipy import ndimage
 
 from tusqh.antialias.pinches import find_pinch_edges, find_pinches
-from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.grid import BoolArray, FloatArray, IntArray, doubled
+from tusqh.grid.neighbourhoods import neighbours_along
 from tusqh.settings.policy import MixedPinches
 
 #: Values of `Decisions.at_vertex`.
@@ -21,7 +22,7 @@ SEPARATE, NONE, CONNECT = -1, 0, 1
 
 @dataclass(frozen=True)
 class Decisions:
-    """What happens at every pinch.
+    """The decision at every pinch.
 
     Parameters
     ----------
@@ -30,9 +31,9 @@ class Decisions:
     n_clusters
         Number of clusters of adjacent pinches.
     clusters_overruled
-        Clusters in which at least one pinch voted otherwise.
+        Clusters whose pinches disagree, so that at least one pinch is overruled.
     pinches_overruled
-        Pinches that voted otherwise than their cluster was decided.
+        Pinches whose vote differs from the decision of their cluster.
     """
 
     at_vertex: np.ndarray[tuple[int, ...], np.dtype[np.int8]]
@@ -47,10 +48,22 @@ class Decisions:
 
 
 def label_clusters(is_pinch: BoolArray) -> tuple[IntArray, int]:
-    """Return the cluster of every pinch vertex (from 1; 0 elsewhere) and how many there are.
+    """Return the cluster of every pinch vertex and the number of clusters.
 
     Two pinches are adjacent when they are ends of one grid edge in 2D, or corners of one grid
     face in 3D.
+
+    Parameters
+    ----------
+    is_pinch
+        Pinch vertices, shape ``n + 1``.
+
+    Returns
+    -------
+    labels
+        Cluster of every pinch, from 1; 0 elsewhere, shape ``n + 1``.
+    n_clusters
+        Number of clusters.
 
     Examples
     --------
@@ -73,8 +86,8 @@ def decide_by_fraction(
     """Return the decision of every cluster: connect interior pinches, separate exterior ones.
 
     A pinch vertex, and in 3D a pinch edge, votes to connect when its sub-cell volume fraction is
-    at least the threshold.  A cluster that agrees follows its vote; a mixed one follows
-    `mixed_pinches`, where an even split of ``"majority"`` separates.
+    at least the threshold.  A cluster that agrees follows its vote; mixed clusters follow
+    `mixed_pinches`; with ``"majority"``, a tie separates.
 
     Parameters
     ----------
@@ -90,9 +103,9 @@ def decide_by_fraction(
     is_interior = values >= threshold
     edges = []
     for axis in range(3) if kept.ndim == 3 else ():
-        at = tuple(slice(1 if k == axis else 0, None, 2) for k in range(3))
-        edges.append((find_pinch_edges(kept, axis), is_interior[at]))
-    vertices = is_interior[(slice(None, None, 2),) * kept.ndim]
+        votes = is_interior[doubled.edges(3, axis)]
+        edges.append((find_pinch_edges(kept, axis), votes))
+    vertices = is_interior[doubled.vertices(kept.ndim)]
     return decide_by_vote(find_pinches(kept), vertices, edges, mixed_pinches=mixed_pinches)
 
 
@@ -127,7 +140,7 @@ def decide_by_vote(
     cluster, ayes = [labels[is_pinch]], [votes_connect[is_pinch]]
     for axis, (is_pinch_edge, votes) in enumerate(edges):
         # Both ends of a pinch edge are pinches of one cluster.
-        at_lower_end = labels[(slice(None),) * axis + (slice(None, -1),)]
+        at_lower_end, _ = neighbours_along(labels, axis)
         cluster.append(at_lower_end[is_pinch_edge])
         ayes.append(votes[is_pinch_edge])
     voters, vote = np.concatenate(cluster), np.concatenate(ayes)

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from scipy import ndimage
 
-from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.grid import BoolArray, FloatArray, IntArray, doubled
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.policy import Criteria
 
@@ -106,10 +106,10 @@ def _count_interior_sub_cells(
     n = int(labels.max(initial=0)) + 1
     if n == 1:
         return np.zeros(1, dtype=np.int64)
-    doubled = np.zeros(fractions.values.shape, dtype=np.int64)
-    doubled[(slice(1, None, 2),) * labels.ndim] = labels
-    is_cell = doubled > 0
+    on_doubled = np.zeros(fractions.values.shape, dtype=np.int64)
+    on_doubled[doubled.cells(labels.ndim)] = labels
+    is_cell = on_doubled > 0
     # A sub-cell between two features counts for the one with the larger label.
-    around = ndimage.grey_dilation(doubled, size=(3,) * labels.ndim)
+    around = ndimage.grey_dilation(on_doubled, size=(3,) * labels.ndim)
     is_interior = (fractions.values >= threshold) & (around > 0) & ~is_cell
     return np.bincount(around[is_interior], minlength=n).astype(np.int64)

@@ -1,7 +1,7 @@
 """Pinches: grid vertices at which kept cells, or empty ones, meet without sharing a face.
 
-Paper: Anti-aliasing.  Which of the ``2**(2**dim)`` neighbourhoods are pinches is computed once
-from the definition, not typed in.
+Paper: Anti-aliasing.  Tables say which of the ``2**(2**dim)`` neighbourhoods of a vertex are
+pinches; they are computed once from the definition.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import itertools
 import numpy as np
 
 from tusqh.grid import BoolArray, IntArray
+from tusqh.grid.neighbourhoods import around_edges, around_vertices, is_diagonal
 
 
 def neighbourhood_codes(kept: BoolArray) -> IntArray:
@@ -35,13 +36,10 @@ def neighbourhood_codes(kept: BoolArray) -> IntArray:
     >>> neighbourhood_codes(np.array([[True]])).tolist()  # doctest: +NORMALIZE_WHITESPACE
     [[8, 2], [4, 1]]
     """
-    padded = np.pad(kept, 1)
-    dim = kept.ndim
-    codes = np.zeros(tuple(n + 1 for n in kept.shape), dtype=np.int64)
-    for bit in range(2**dim):
-        upper = [bit >> axis & 1 for axis in range(dim)]
-        window = tuple(slice(u, u + n + 1) for u, n in zip(upper, kept.shape, strict=True))
-        codes |= padded[window].astype(np.int64) << bit
+    around = around_vertices(kept)
+    codes = np.zeros(around[0].shape, dtype=np.int64)
+    for bit, is_kept in enumerate(around):
+        codes |= is_kept.astype(np.int64) << bit
     return codes
 
 
@@ -51,8 +49,20 @@ def pinch_table(dim: int) -> BoolArray:
 
     A vertex is a pinch when its kept cells, or its empty cells, are not connected through
     shared faces within the neighbourhood (algorithm 4.1).  In 2D these are the two
-    diagonals:
+    diagonals.
 
+    Parameters
+    ----------
+    dim
+        Dimension of the grid.
+
+    Returns
+    -------
+    is_pinch
+        Shape (2**(2**dim),), see `neighbourhood_codes`; read-only.
+
+    Examples
+    --------
     >>> pinch_table(2).nonzero()[0].tolist()
     [6, 9]
     >>> int(pinch_table(3).sum())
@@ -66,8 +76,15 @@ def pinch_table(dim: int) -> BoolArray:
 def template_tables() -> tuple[BoolArray, BoolArray]:
     """Return, for every 3D code, whether separating and whether connecting acts on the vertex.
 
-    Where it does not, the pinch edges at the vertex do all the work (algorithm 4.3).
+    At the other vertices the templates at pinch edges suffice (algorithm 4.3).
 
+    Returns
+    -------
+    separates, connects
+        Shape (256,) each, see `neighbourhood_codes`; read-only.
+
+    Examples
+    --------
     >>> [int(table.sum()) for table in template_tables()]
     [92, 92]
     """
@@ -80,7 +97,8 @@ def template_tables() -> tuple[BoolArray, BoolArray]:
 def _component_table(dim: int, reach: int) -> IntArray:
     """Count, for every code, the components of kept cells that differ along `reach` axes at most.
 
-    Reversed, the table counts the components of the empty cells: the code of the complement.
+    Reversed, the table counts the components of the empty cells, since the code of the complement
+    is the largest code minus the code.
     """
     n_cells = 2**dim
     counts = [
@@ -111,27 +129,45 @@ def _frozen(table: BoolArray) -> BoolArray:
 
 
 def find_pinch_edges(kept: BoolArray, axis: int) -> BoolArray:
-    """Return the grid edges along an axis of a 3D grid with exactly a diagonal of cells kept.
+    """Return the grid edges along an axis around which exactly two opposite cells are kept.
 
-    Shape n + 1, but n along the axis.
+    Parameters
+    ----------
+    kept
+        Kept cells of a 3D grid, shape n.
+    axis
+        Direction of the edges.
 
+    Returns
+    -------
+    is_pinch
+        Shape n along the axis, ``n + 1`` along the others.
+
+    Examples
+    --------
     >>> kept = np.zeros((2, 2, 1), dtype=bool)
     >>> kept[0, 0] = kept[1, 1] = True
     >>> np.argwhere(find_pinch_edges(kept, 2)).tolist()
     [[1, 1, 0]]
     """
-    padded = np.moveaxis(np.pad(kept, [(0, 0) if k == axis else (1, 1) for k in range(3)]), axis, 0)
-    a, b = padded[:, :-1, :-1], padded[:, 1:, :-1]
-    c, d = padded[:, :-1, 1:], padded[:, 1:, 1:]
-    return np.moveaxis((a == d) & (b == c) & (a != b), 0, axis)
+    return is_diagonal(around_edges(kept, axis))
 
 
 def find_pinches(kept: BoolArray) -> BoolArray:
-    """Return the pinch vertices of a set of kept cells, shape ``n + 1``.
+    """Return the pinch vertices of a set of kept cells.
+
+    Parameters
+    ----------
+    kept
+        Kept cells, shape n.
+
+    Returns
+    -------
+    is_pinch
+        Shape ``n + 1``.
 
     Examples
     --------
-    >>> import numpy as np
     >>> find_pinches(np.array([[True, False], [False, True]])).astype(int)[1].tolist()
     [0, 1, 0]
     """

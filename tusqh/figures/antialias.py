@@ -12,7 +12,8 @@ from scipy import ndimage
 
 from tusqh.antialias.pinches import find_pinches
 from tusqh.figures import style
-from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.grid import QUAD_CORNERS, BoolArray, IntArray
+from tusqh.grid.doubled import marked_edges
 from tusqh.meshes.volume_mesh import (
     BRIDGE,
     CONNECTING,
@@ -112,18 +113,12 @@ def _draw_sub_cells(
     grid = fractions.grid
     removed = (fractions.cells >= threshold) & ~kept
     for mask, colour in ((kept, style.MATERIAL), (removed, style.REMOVED)):
-        corners = np.argwhere(mask)[:, None] + np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+        corners = np.argwhere(mask)[:, None] + QUAD_CORNERS
         points = grid.to_points(corners.reshape(-1, 2)) / scale
         quads = np.arange(len(points)).reshape(-1, 4)
         style.draw_polygons(axes, points, quads, colour=colour, line_width=0.3)
     interior = fractions.values >= threshold
-    for axis in range(2):
-        middle = np.argwhere(interior)
-        middle = middle[(middle[:, axis] % 2 == 1) & (middle[:, 1 - axis] % 2 == 0)]
-        ends = np.repeat(middle[:, None].astype(float), 2, axis=1)
-        ends[:, 0, axis] -= 1
-        ends[:, 1, axis] += 1
-        lines: FloatArray = grid.to_points(ends / 2) / scale
-        axes.add_collection(LineCollection(list(lines), colors=style.INTERIOR_EDGE, linewidths=1.3))
+    lines = grid.to_points(marked_edges(interior)) / scale
+    axes.add_collection(LineCollection(list(lines), colors=style.INTERIOR_EDGE, linewidths=1.3))
     vertices = grid.to_points(np.argwhere(fractions.vertices >= threshold)) / scale
     axes.plot(*vertices.T, "o", mfc="white", color=style.INTERIOR_VERTEX, markersize=3.2)

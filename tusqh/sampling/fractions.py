@@ -23,7 +23,7 @@ from typing import Any, Literal
 import numpy as np
 
 from tusqh.errors import SamplingError
-from tusqh.grid import BackgroundGrid, FloatArray
+from tusqh.grid import BackgroundGrid, FloatArray, doubled
 from tusqh.sampling.doubled_grid import (
     RESOLUTION,
     Multiples,
@@ -80,14 +80,14 @@ class VolumeFractions:
     def cells(self) -> FloatArray:
         """Fractions of the cells, shape n."""
         return np.asarray(
-            self.multiples[(slice(1, None, 2),) * self.grid.dim] * RESOLUTION, dtype=np.float64
+            self.multiples[doubled.cells(self.grid.dim)] * RESOLUTION, dtype=np.float64
         )
 
     @property
     def vertices(self) -> FloatArray:
         """Sub-cell fractions of the grid vertices, shape ``n + 1``."""
         return np.asarray(
-            self.multiples[(slice(0, None, 2),) * self.grid.dim] * RESOLUTION, dtype=np.float64
+            self.multiples[doubled.vertices(self.grid.dim)] * RESOLUTION, dtype=np.float64
         )
 
     def volume(self) -> float:
@@ -180,7 +180,7 @@ def sample_fractions(
             "directions (double-sided sheets)",
         )
     fractions = VolumeFractions(grid=grid, samples=samples, multiples=multiples)
-    if not (multiples[(slice(1, None, 2),) * grid.dim] > 0).any():
+    if not (multiples[doubled.cells(grid.dim)] > 0).any():
         raise SamplingError(
             f"no cell of the {grid.label} grid has a positive fraction of the {domain} of the "
             "geometry",

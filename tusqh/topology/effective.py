@@ -11,7 +11,7 @@ characteristic.
 
 from __future__ import annotations
 
-import itertools
+from typing import Any
 
 import numpy as np
 from scipy import ndimage
@@ -19,18 +19,32 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from tusqh.grid import BoolArray, IntArray
+from tusqh.grid.neighbourhoods import (
+    around_edges,
+    around_vertices,
+    is_diagonal,
+    is_full,
+    neighbours_along,
+)
 from tusqh.topology.betti_numbers import BettiNumbers
 
 
 def label_components(cells: BoolArray, joins: BoolArray) -> tuple[IntArray, int]:
-    """Return the component of every cell (from 1; 0 elsewhere) and how many there are.
+    """Return the component of every cell and the number of components.
 
     Parameters
     ----------
     cells
-        Cells of a grid, shape n.
+        Cells of a grid, shape n; they are joined across faces.
     joins
         Grid vertices at which all cells around count as joined, shape ``n + 1``.
+
+    Returns
+    -------
+    labels
+        Component of every cell, from 1; 0 elsewhere, shape n.
+    n_components
+        Number of components.
 
     Examples
     --------
@@ -43,7 +57,7 @@ def label_components(cells: BoolArray, joins: BoolArray) -> tuple[IntArray, int]
     1
     """
     labels, n_parts = ndimage.label(cells)
-    around = _cells_around(labels, joins)
+    around = _around(labels, joins)
     first = around.max(axis=1, initial=0)
     pairs = np.stack([np.repeat(first, around.shape[1]), around.ravel()], axis=1)
     pairs = pairs[(pairs > 0).all(axis=1)] - 1
@@ -73,19 +87,17 @@ def count_euler_characteristic(kept: BoolArray, connects: BoolArray) -> int:
     >>> count_euler_characteristic(kept, np.zeros((4, 4, 2), dtype=bool))      # a solid ring
     0
     """
-    euler = int(kept.sum()) - sum(
-        int((kept[_part(axis, 0, -1)] & kept[_part(axis, 1, None)]).sum())
-        for axis in range(kept.ndim)
-    )
-    if kept.ndim == 3:
-        for axis in range(3):
-            is_full, is_diagonal = _edges_along(kept, axis)
-            is_joined = is_diagonal & connects[_part(axis, 0, -1)]
-            euler += int(is_full.sum()) - int(is_joined.sum())
-    inner = itertools.product((slice(None, -1), slice(1, None)), repeat=kept.ndim)
-    is_full = np.logical_and.reduce([kept[part] for part in inner])
-    euler += int(is_full.sum()) * (1 if kept.ndim == 2 else -1)
-    around = _cells_around(kept, connects).astype(bool).reshape(-1, *(2,) * kept.ndim)
+    euler = int(kept.sum())
+    for axis in range(kept.ndim):
+        lower, upper = neighbours_along(kept, axis)
+        euler -= int((lower & upper).sum())
+        if kept.ndim == 3:
+            around_edge = around_edges(kept, axis)
+            is_joined = is_diagonal(around_edge) & neighbours_along(connects, axis)[0]
+            euler += int(is_full(around_edge).sum()) - int(is_joined.sum())
+    n_inner = int(is_full(around_vertices(kept)).sum())
+    euler += n_inner if kept.ndim == 2 else -n_inner
+    around = _around(kept, connects).astype(bool).reshape(-1, *(2,) * kept.ndim)
     return euler + len(around) - int(_euler_of_links(around).sum())
 
 
@@ -117,25 +129,10 @@ def effective_betti(kept: BoolArray, connects: BoolArray, separates: BoolArray) 
     return BettiNumbers(n_components, n_components + n_empty - 1 - euler, n_empty - 1)
 
 
-def _part(axis: int, start: int, stop: int | None) -> tuple[slice, ...]:
-    """Return the index of a range along one axis."""
-    return (slice(None),) * axis + (slice(start, stop),)
-
-
-def _cells_around(cells: np.ndarray, at_vertex: BoolArray) -> IntArray:
-    """Return the values of the ``2**dim`` cells around marked vertices, 0 outside the grid."""
-    padded = np.pad(cells, 1)
-    windows = itertools.product((slice(None, -1), slice(1, None)), repeat=cells.ndim)
-    return np.stack([padded[window][at_vertex] for window in windows], axis=1).astype(np.int64)
-
-
-def _edges_along(kept: BoolArray, axis: int) -> tuple[BoolArray, BoolArray]:
-    """Return which grid edges along an axis have four kept cells, and which a diagonal of two."""
-    padded = np.moveaxis(np.pad(kept, [(0, 0) if k == axis else (1, 1) for k in range(3)]), axis, 0)
-    a, b = padded[:, :-1, :-1], padded[:, 1:, :-1]
-    c, d = padded[:, :-1, 1:], padded[:, 1:, 1:]
-    is_diagonal = (a == d) & (b == c) & (a != b)
-    return np.moveaxis(a & b & c & d, 0, axis), np.moveaxis(is_diagonal, 0, axis)
+def _around(cells: np.ndarray[Any, Any], at_vertex: BoolArray) -> IntArray:
+    """Return the values of the cells around marked vertices, shape (m, 2**dim)."""
+    around = [values[at_vertex] for values in around_vertices(cells)]
+    return np.stack(around, axis=1).astype(np.int64)
 
 
 def _euler_of_links(around: BoolArray) -> IntArray:
@@ -149,8 +146,7 @@ def _euler_of_links(around: BoolArray) -> IntArray:
         low, high = np.moveaxis(around, axis, 0)
         euler -= (low & high).sum(axis=tuple(range(1, low.ndim)))
         if around.ndim == 4:
-            for four in (low, high):
-                a, b, c, d = four[:, 0, 0], four[:, 1, 0], four[:, 0, 1], four[:, 1, 1]
-                euler += (a & b & c & d).astype(np.int64)
-                euler -= ((a == d) & (b == c) & (a != b)).astype(np.int64)
+            for half in (low, high):
+                four = [half[:, x, y] for x in range(2) for y in range(2)]
+                euler += is_full(four).astype(np.int64) - is_diagonal(four)
     return np.asarray(euler, dtype=np.int64)

@@ -21,8 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tusqh.grid import FloatArray, IntArray
-
-Offset = tuple[int, ...]
+from tusqh.grid.doubled import Offset, cells_around, place_dimensions, unit_offsets
 
 
 @dataclass(frozen=True)
@@ -44,7 +43,18 @@ class Filtration:
     simplices: list[IntArray]
 
     def simplex_values(self, k: int) -> FloatArray:
-        """Return at which threshold each k-simplex enters, shape (m_k,)."""
+        """Return the threshold at which each k-simplex enters.
+
+        Parameters
+        ----------
+        k
+            Dimension of the simplices.
+
+        Returns
+        -------
+        values
+            Smallest value of the nodes of each simplex, shape (m_k,).
+        """
         return np.asarray(self.values[self.simplices[k]].min(axis=1))
 
 
@@ -70,9 +80,9 @@ def clamp_values(values: FloatArray) -> FloatArray:
     if dim == 3:
         for along in range(3):
             parity = tuple(1 if axis == along else 0 for axis in range(3))
-            _clamp(clamped, parity, _around(parity))
+            _clamp(clamped, parity, cells_around(parity))
     origin = (0,) * dim
-    around = [*_around(origin), *(_unit_offsets(dim) if dim == 3 else [])]
+    around = [*cells_around(origin), *(unit_offsets(dim) if dim == 3 else [])]
     _clamp(clamped, origin, around)
     return clamped
 
@@ -81,6 +91,11 @@ def build_filtration(values: FloatArray) -> Filtration:
     """Return the filtration of fractions on a doubled grid of shape ``2 n + 1``.
 
     Only thresholds above 0 are of interest, so nodes with values of 0 and less are left out.
+
+    Parameters
+    ----------
+    values
+        Fractions on the doubled grid, shape ``2 n + 1``, dimensionless.
 
     Examples
     --------
@@ -93,8 +108,9 @@ def build_filtration(values: FloatArray) -> Filtration:
     """
     dim = values.ndim
     padded = clamp_values(np.pad(values, 2))
-    is_node = (padded > 0) & _has_node(padded.shape)
+    is_node = (padded > 0) & (place_dimensions(padded.shape) != dim - 1)
     number = np.full(padded.shape, -1, dtype=np.int64)
+    # Every place has a node but edges in 2D and faces in 3D.
     places = np.argwhere(is_node)
     number[tuple(places.T)] = np.arange(len(places))
     simplices = [np.arange(len(places), dtype=np.int64)[:, None]]
@@ -104,26 +120,6 @@ def build_filtration(values: FloatArray) -> Filtration:
     return Filtration(values=padded[tuple(places.T)], positions=places - 2, simplices=simplices)
 
 
-def _has_node(shape: tuple[int, ...]) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
-    """Return which places of the doubled grid have nodes: all but edges in 2D, faces in 3D."""
-    index = np.indices(shape).reshape(len(shape), -1)
-    n_odd = (index % 2).sum(axis=0).reshape(shape)
-    return np.asarray(n_odd != len(shape) - 1)
-
-
-def _unit_offsets(dim: int) -> list[Offset]:
-    return [
-        tuple(sign if axis == k else 0 for axis in range(dim))
-        for k in range(dim)
-        for sign in (-1, 1)
-    ]
-
-
-def _around(parity: Offset) -> list[Offset]:
-    """Return the offsets from a place to the cells that touch it."""
-    return list(itertools.product(*[(0,) if odd else (-1, 1) for odd in parity]))
-
-
 def _star_simplices(dim: int, k: int) -> list[tuple[Offset, tuple[Offset, ...]]]:
     """List the k-simplices: the parity of their lowest-dimensional place and all offsets."""
     found: list[tuple[Offset, tuple[Offset, ...]]] = []
@@ -131,7 +127,7 @@ def _star_simplices(dim: int, k: int) -> list[tuple[Offset, tuple[Offset, ...]]]
         n_odd = sum(parity)
         here = (0,) * dim
         if n_odd == dim - 1:  # Two cells that share a side or face, which has no node itself.
-            pair = tuple(_around(parity))
+            pair = tuple(cells_around(parity))
             if k == 1:
                 found.append((parity, pair))
         elif n_odd < dim:
@@ -141,14 +137,14 @@ def _star_simplices(dim: int, k: int) -> list[tuple[Offset, tuple[Offset, ...]]]
 
 def _link(parity: Offset, dim: int, k: int) -> list[tuple[Offset, ...]]:
     """List the k-simplices of nodes of higher dimension around a place, as offsets."""
-    cells = _around(parity)
+    cells = cells_around(parity)
     found: list[tuple[Offset, ...]] = []
     if k == 0:
         found += [(cell,) for cell in cells]
     if k == 1:
         found += [pair for pair in itertools.combinations(cells, 2) if _n_differences(*pair) == 1]
     if sum(parity) == 0 and dim == 3:
-        for edge in _unit_offsets(3):
+        for edge in unit_offsets(3):
             at_edge = [c for c in cells if sum(a * b for a, b in zip(c, edge, strict=True)) == 1]
             if k == 0:
                 found.append((edge,))
