@@ -30,6 +30,7 @@ from tusqh.sampling.field import Geometry, make_field
 from tusqh.sampling.fractions import VolumeFractions, sample_fractions
 from tusqh.sampling.lattice import Lattice
 from tusqh.sampling.layout import lay_grid
+from tusqh.settings.sampling import Sampling
 from tusqh.tables import write_csv
 
 RESULT = Path("results/benchmarks/sampling.csv")
@@ -119,7 +120,7 @@ def prepare(name: str, n: int) -> tuple[Geometry, BackgroundGrid]:
 
 def sample(case: tuple[Geometry, BackgroundGrid]) -> VolumeFractions:
     """Sample the fractions of all dimensions."""
-    return sample_fractions(*case, samples=SAMPLES)
+    return sample_fractions(*case, sampling=Sampling(samples=SAMPLES))
 
 
 def main() -> None:

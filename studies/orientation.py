@@ -50,7 +50,7 @@ def vary_placement(
     count: int = 50,
     seed: int = 0,
     progress: Callable[[int, int], None] | None = None,
-    **sampling: Any,
+    **how: Any,
 ) -> pd.DataFrame:
     """Return the Betti numbers of a model over random placements, grid sizes and thresholds.
 
@@ -68,8 +68,8 @@ def vary_placement(
         Number of placements, and the seed of their random numbers.
     progress
         Called with the number of placements done and of all placements.
-    **sampling
-        `window`, `domain`, `rule` and `orientation`.
+    **how
+        `window` and `sampling`, see `studies.placements.lay_grids`.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def vary_placement(
     placements = random_placements(len(geometry.bounding_box()[0]), count, seed=seed)
     rows: list[tuple[Any, ...]] = []
     for number, placement in enumerate(placements):
-        for size, fractions in lay_grids(geometry, placement, sizes, **sampling):
+        for size, fractions in lay_grids(geometry, placement, sizes, **how):
             sets = {m: CellSets(fractions, Policy(m, policy.bridges)) for m in MIXED_PINCHES}
             configured = CellSets(fractions, policy)
             for threshold in thresholds:

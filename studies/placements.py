@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from tusqh.sampling.doubled_grid import combine_half_blocks
 from tusqh.sampling.field import Geometry
 from tusqh.sampling.fractions import VolumeFractions, sample_fractions
 from tusqh.sampling.lattice import Box
+from tusqh.settings.sampling import Sampling
 
 #: Samples along each side of a block.
 _SAMPLES = 2
@@ -65,7 +65,7 @@ def lay_grids(
     sizes: Sequence[int],
     *,
     window: Box | None = None,
-    **sampling: Any,
+    sampling: Sampling | None = None,
 ) -> Iterator[tuple[int, VolumeFractions]]:
     """Yield the volume fractions of a placed model on grids of several sizes.
 
@@ -80,8 +80,8 @@ def lay_grids(
         largest has to be a multiple of every other one.
     window
         Box outside of which there is no material; it is turned with the model.
-    **sampling
-        `domain`, `rule` and `orientation`, see `tusqh.sampling.fractions.sample_fractions`.
+    sampling
+        How the fractions are sampled, apart from the number of samples; None: the defaults.
     """
     low, high = (np.array(end) for end in window or geometry.bounding_box())
     finest = max(sizes)
@@ -104,7 +104,8 @@ def lay_grids(
         cell_size=block,
         origin=tuple((first * block).tolist()),
     )
-    blocks = sample_fractions(placed, lattice, samples=_SAMPLES, **sampling).cells.copy()
+    finely = replace(sampling or Sampling(), samples=_SAMPLES)
+    blocks = sample_fractions(placed, lattice, sampling=finely).cells.copy()
     if window is not None:
         indices = np.argwhere(np.ones(lattice.shape, dtype=bool))
         places = lattice.to_points(indices.astype(np.float64) + 0.5)

@@ -11,6 +11,7 @@ from tusqh.sampling import fractions as fractions_module
 from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.io import load_fractions, save_fractions
+from tusqh.settings.sampling import Sampling
 
 GRID = BackgroundGrid(shape=(4, 3), cell_size=0.5, origin=(-0.5, -0.25))
 
@@ -47,7 +48,9 @@ def brute_force_fraction(outline, grid, samples, doubled):
 def test_every_fraction_is_the_mean_over_its_fictitious_cell(seed, samples):
     rng = np.random.default_rng(seed)
     outline = random_outline(rng)
-    fractions = sample_fractions(outline, GRID, samples=samples, orientation="as-is")
+    fractions = sample_fractions(
+        outline, GRID, sampling=Sampling(samples=samples, orientation="as-is")
+    )
     for _ in range(6):
         doubled = tuple(rng.integers(0, 2 * np.array(GRID.shape) + 1))
         expected = brute_force_fraction(outline, GRID, samples, doubled)
@@ -69,17 +72,19 @@ def test_fractions_are_multiples_of_the_resolution_and_views_are_right(square):
 def test_clockwise_outlines_are_flipped_unless_told_otherwise():
     clockwise = Outline.from_chains([loop([[0, 0], [0, 1], [1, 1], [1, 0]])])
     assert sample_fractions(clockwise, GRID).cells.max() == 1.0
-    assert sample_fractions(clockwise, GRID, orientation="flip").cells.max() == 1.0
+    assert (
+        sample_fractions(clockwise, GRID, sampling=Sampling(orientation="flip")).cells.max() == 1.0
+    )
     with pytest.raises(SamplingError, match="positive fraction"):
-        sample_fractions(clockwise, GRID, orientation="as-is")
+        sample_fractions(clockwise, GRID, sampling=Sampling(orientation="as-is"))
 
 
 def test_the_outside_is_one_minus_the_inside_within_the_window(square):
     inside = sample_fractions(square, GRID)
-    outside = sample_fractions(square, GRID, domain="outside")
+    outside = sample_fractions(square, GRID, sampling=Sampling(domain="outside"))
     assert np.array_equal(outside.cells, 1 - inside.cells)
     window = ((0.0, -0.25), (1.5, 1.25))
-    windowed = sample_fractions(square, GRID, domain="outside", window=window)
+    windowed = sample_fractions(square, GRID, sampling=Sampling(domain="outside"), window=window)
     assert np.array_equal(windowed.cells[1:], outside.cells[1:])
     assert (windowed.cells[0] == 0).all()
 
@@ -87,7 +92,7 @@ def test_the_outside_is_one_minus_the_inside_within_the_window(square):
 def test_overlaps_wind_twice_and_clamping_caps_them(square):
     twice = Outline.from_chains([square.points, square.points])
     assert sample_fractions(twice, GRID).cells.max() == 2.0
-    clamped = sample_fractions(twice, GRID, rule="clamped")
+    clamped = sample_fractions(twice, GRID, sampling=Sampling(rule="clamped"))
     assert np.array_equal(clamped.values, sample_fractions(square, GRID).values)
 
 
@@ -101,7 +106,7 @@ def test_far_from_the_origin_nothing_changes(square):
 @pytest.mark.parametrize("samples", [0, 1, 3, -2, 2.0, True])
 def test_samples_must_be_even_and_positive(square, samples):
     with pytest.raises(SamplingError, match="even"):
-        sample_fractions(square, GRID, samples=samples)
+        sample_fractions(square, GRID, sampling=Sampling(samples=samples))
 
 
 def test_double_sided_sheets_have_no_inside(square):
@@ -145,15 +150,15 @@ def test_progress_is_reported_to_the_end(square, monkeypatch):
 def test_the_sampler_libigl_agrees(square):
     outline = random_outline(np.random.default_rng(3))
     ours = sample_fractions(outline, GRID).values
-    theirs = sample_fractions(outline, GRID, sampler="libigl").values
+    theirs = sample_fractions(outline, GRID, sampling=Sampling(sampler="libigl")).values
     assert np.abs(ours - theirs).max() < 2e-6
     assert np.array_equal(
         sample_fractions(square, GRID).values,
-        sample_fractions(square, GRID, sampler="libigl").values,
+        sample_fractions(square, GRID, sampling=Sampling(sampler="libigl")).values,
     )
 
 
 @pytest.mark.parametrize("tolerance", [0.0, -1e-6, 0.5, float("nan")])
 def test_tolerances_that_nothing_can_keep_are_refused(square, tolerance):
     with pytest.raises(SamplingError, match=r"from 1e-12 to 0\.01"):
-        sample_fractions(square, GRID, tolerance=tolerance)
+        sample_fractions(square, GRID, sampling=Sampling(tolerance=tolerance))

@@ -12,6 +12,7 @@ from tusqh.readers.files import read_file
 from tusqh.sampling import fractions as fractions_module
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.layout import lay_grid
+from tusqh.settings.sampling import Sampling
 
 
 def soup_of(mesh, name="soup"):
@@ -68,13 +69,17 @@ def test_inside_out_is_turned_and_double_sided_sheets_are_refused():
 def test_slabs_do_not_change_the_result(monkeypatch, rule):
     ball = soup_of(trimesh.creation.icosphere(subdivisions=2))
     grid = lay_grid(ball, None, cells=20)
-    whole = sample_fractions(ball, grid, rule=rule)
+    whole = sample_fractions(ball, grid, sampling=Sampling(rule=rule))
     monkeypatch.setattr(fractions_module, "SAMPLES_AT_A_TIME", 1)
-    assert np.array_equal(whole.multiples, sample_fractions(ball, grid, rule=rule).multiples)
+    assert np.array_equal(
+        whole.multiples, sample_fractions(ball, grid, sampling=Sampling(rule=rule)).multiples
+    )
     opened = Soup(ball.points, ball.triangles[5:], ball.parts[5:])
-    by_slabs = sample_fractions(opened, grid, rule=rule)
+    by_slabs = sample_fractions(opened, grid, sampling=Sampling(rule=rule))
     monkeypatch.undo()
-    difference = by_slabs.values - sample_fractions(opened, grid, rule=rule).values
+    difference = (
+        by_slabs.values - sample_fractions(opened, grid, sampling=Sampling(rule=rule)).values
+    )
     assert np.abs(difference).max() < 2e-6
 
 
@@ -87,20 +92,25 @@ def test_clamping_changes_nothing_where_nothing_overlaps(domain, orientation):
     soup = soup_of(trimesh.creation.icosphere(subdivisions=3))
     window = ((-0.7, -1.0, -0.9), (0.93, 0.8, 1.0))
     grid = BackgroundGrid.over_box((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0), cells=9)
-    how = {"window": window, "domain": domain, "orientation": orientation}
     if orientation == "flip":
-        how["domain"], soup = "outside", Soup(soup.points, soup.triangles[:, ::-1], soup.parts)
-    by_runs = sample_fractions(soup, grid, **how)
-    assert np.array_equal(
-        by_runs.values, sample_fractions(soup, grid, rule="clamped", **how).values
+        domain, soup = "outside", Soup(soup.points, soup.triangles[:, ::-1], soup.parts)
+    by_runs, by_samples = (
+        sample_fractions(
+            soup,
+            grid,
+            window=window,
+            sampling=Sampling(domain=domain, orientation=orientation, rule=rule),
+        )
+        for rule in ("average", "clamped")
     )
+    assert np.array_equal(by_runs.values, by_samples.values)
 
 
 def test_libigl_gives_the_same_to_its_precision():
     soup = read_file(locate("package:pyvista/examples/airplane.ply")).geometry
     grid = lay_grid(soup, None, cells=24)
     ours = sample_fractions(soup, grid)
-    theirs = sample_fractions(soup, grid, sampler="libigl")
+    theirs = sample_fractions(soup, grid, sampling=Sampling(sampler="libigl"))
     assert np.abs(ours.values - theirs.values).max() < 0.02
 
 

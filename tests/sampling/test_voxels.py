@@ -13,6 +13,7 @@ from tusqh.geometry.soup import Soup
 from tusqh.sampling import voxels as module
 from tusqh.sampling.fractions import RESOLUTION, sample_fractions
 from tusqh.sampling.voxels import lay_on_voxels, voxel_fractions
+from tusqh.settings.sampling import Sampling
 
 
 def integrate(image, grid):
@@ -76,7 +77,7 @@ def test_a_surface_around_the_voxels_gives_the_same(cells):
     grid = lay_on_voxels(image, cells=cells)
     by_voxels = voxel_fractions(image, grid)
     assert by_voxels.samples == 2 * round(grid.cell_size / 0.5)
-    by_winding = sample_fractions(soup, grid, samples=by_voxels.samples)
+    by_winding = sample_fractions(soup, grid, sampling=Sampling(samples=by_voxels.samples))
     assert np.array_equal(by_voxels.values, by_winding.values)
 
 

@@ -20,6 +20,7 @@ from tusqh.grid import BackgroundGrid
 from tusqh.meshes.betti import betti_by_euler
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.settings.policy import Policy
+from tusqh.settings.sampling import Sampling
 
 EXACT = np.empty(0)
 
@@ -148,7 +149,9 @@ def test_the_real_sampler_measures_the_same_fractions():
     for side in (-1, 1):
         far = strip(normal, middle + side * (20 + width / 2), 40.0)
         sides.append(np.array(far.exterior.coords))
-    measured = sample_fractions(Outline.from_chains(sides), grid, samples=samples)
+    measured = sample_fractions(
+        Outline.from_chains(sides), grid, sampling=Sampling(samples=samples)
+    )
     distances = sample_distances(normal, samples)
     for i, j in itertools.product(range(2, 15), range(2, 11)):
         u = float(normal @ [i / 2, j / 2]) - middle

@@ -17,6 +17,7 @@ from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.settings.goal import Target
 from tusqh.settings.policy import Criteria, Policy
+from tusqh.settings.sampling import Sampling
 
 STILL = Placement(np.eye(2), np.zeros(2))
 
@@ -32,7 +33,9 @@ def test_unturned_grids_have_the_fractions_that_sampling_gives():
     centred = replace(L_SHAPE, points=L_SHAPE.points - [1.5, 1.0])
     for size, fractions in lay_grids(L_SHAPE, STILL, [3, 6, 12]):
         assert fractions.grid.cell_size == pytest.approx(3 / size)
-        direct = sample_fractions(centred, fractions.grid, samples=fractions.samples)
+        direct = sample_fractions(
+            centred, fractions.grid, sampling=Sampling(samples=fractions.samples)
+        )
         assert fractions.samples == 4 * (12 // size)
         np.testing.assert_array_equal(fractions.values, direct.values)
 
@@ -67,7 +70,9 @@ def test_the_window_turns_with_the_model():
     for placement in random_placements(2, 6, seed=2):
         ((_, inside),) = lay_grids(square, placement, [48], window=window)
         assert inside.volume() == pytest.approx(8.0, rel=0.02)
-        ((_, outside),) = lay_grids(square, placement, [48], window=window, domain="outside")
+        ((_, outside),) = lay_grids(
+            square, placement, [48], window=window, sampling=Sampling(domain="outside")
+        )
         assert outside.volume() == pytest.approx(18.0 - 8.0, rel=0.02)
 
 
@@ -164,5 +169,7 @@ def test_a_grid_laid_by_hand_is_the_grid_of_the_placement():
     upright = polygon((1, -1.5), (1, 1.5), (0, 1.5), (0, -0.5), (-1, -0.5), (-1, -1.5))
     grid = BackgroundGrid(fractions.grid.shape, fractions.grid.cell_size, fractions.grid.origin)
     np.testing.assert_allclose(
-        fractions.values, sample_fractions(upright, grid, samples=4).values, atol=1e-6
+        fractions.values,
+        sample_fractions(upright, grid, sampling=Sampling(samples=4)).values,
+        atol=1e-6,
     )

@@ -19,6 +19,7 @@ from studies.wedge_islands import GRIDS_PER_HALVING, follow_islands
 from tusqh.geometry.outline import Outline
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import sample_fractions
+from tusqh.settings.sampling import Sampling
 from tusqh.topology.effective import label_components
 
 numbers = st.floats(-2, 2)
@@ -50,7 +51,7 @@ def test_fractions_agree_with_the_real_sampler(case, level):
     """Winding numbers of many samples, away from the exact areas by at most their resolution."""
     grid = grid_of(case, level)
     rings = [np.array([*block, block[0]], dtype=float) for block in blocks_of(case)]
-    sampled = sample_fractions(Outline.from_chains(rings), grid, samples=48)
+    sampled = sample_fractions(Outline.from_chains(rings), grid, sampling=Sampling(samples=48))
     exact = exact_fractions([[(float(a), float(b)) for a, b in b4] for b4 in blocks_of(case)], grid)
     assert np.abs(sampled.values - exact.values).max() < 1.5 / 48
     cells = exact_cell_fractions(

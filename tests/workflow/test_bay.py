@@ -11,6 +11,7 @@ from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.layout import lay_grid
 from tusqh.settings.goal import Goal
 from tusqh.settings.policy import Criteria, Policy
+from tusqh.settings.sampling import Sampling
 from tusqh.threshold.plateaus import predict_plateaus
 from tusqh.threshold.select import choose_threshold
 from tusqh.topology.curves import betti_curves
@@ -22,7 +23,7 @@ WINDOW = ((250000.0, 4075000.0), (490000.0, 4391000.0))
 def fractions(repository):
     outline = read_file(repository / "data_sources/chesapeake/counties.geojson").geometry
     grid = lay_grid(outline, WINDOW, cells=[60, 79])
-    return sample_fractions(outline, grid, domain="outside", window=WINDOW)
+    return sample_fractions(outline, grid, sampling=Sampling(domain="outside"), window=WINDOW)
 
 
 @pytest.mark.parametrize("bridges", ["none", "forest", "all"])

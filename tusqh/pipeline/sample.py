@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-
 from tusqh.geometry.image import Image
 from tusqh.geometry.kinds import Geometry
 from tusqh.progress import Progress, log_progress
@@ -52,5 +50,9 @@ def sample(
     background_grid = lay_grid(geometry, box, cells=grid.cells, cell_size=grid.cell_size)
     require_memory(background_grid, "meshing", name=geometry.name)
     return sample_fractions(
-        geometry, background_grid, window=box, progress=progress("samples"), **asdict(sampling)
+        geometry,
+        background_grid,
+        sampling=sampling,
+        window=box,
+        progress=progress("samples"),
     )

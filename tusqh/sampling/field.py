@@ -8,7 +8,7 @@ libigl at every sample: its tree for soups, which is right to two or three digit
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -20,12 +20,12 @@ from tusqh.sampling.cap_field import add_cap
 from tusqh.sampling.closing import Chain, close
 from tusqh.sampling.crossings import add_crossings, correct_sides
 from tusqh.sampling.lattice import Lattice
+from tusqh.settings.sampling import Sampler, Sampling
 
 Geometry = Outline | Soup
-Sampler = Literal["crossings", "libigl"]
 
 #: Largest error of a fraction by default, dimensionless: that of rounding to 2^-20.
-TOLERANCE = 1e-6
+TOLERANCE = Sampling().tolerance
 _FINEST, _COARSEST = 1e-12, 0.01
 
 

@@ -30,12 +30,9 @@ from tusqh.sampling.doubled_grid import (
     average_coverage,
     average_half_blocks,
 )
-from tusqh.sampling.field import TOLERANCE, Geometry, Sampler, WindingField, make_field
+from tusqh.sampling.field import Geometry, WindingField, make_field
 from tusqh.sampling.lattice import Box, Lattice
-
-Domain = Literal["inside", "outside"]
-Rule = Literal["average", "clamped"]
-Orientation = Literal["auto", "as-is", "flip"]
+from tusqh.settings.sampling import Domain, Orientation, Sampling
 
 #: About how many samples a slab of the lattice holds: this bounds memory and paces progress.
 SAMPLES_AT_A_TIME = 8_000_000
@@ -99,13 +96,8 @@ def sample_fractions(
     geometry: Geometry,
     grid: BackgroundGrid,
     *,
-    samples: int = 4,
-    domain: Domain = "inside",
+    sampling: Sampling | None = None,
     window: Box | None = None,
-    rule: Rule = "average",
-    orientation: Orientation = "auto",
-    sampler: Sampler = "crossings",
-    tolerance: float = TOLERANCE,
     progress: Callable[[int, int], None] | None = None,
 ) -> VolumeFractions:
     """Return the volume fractions of an outline or a soup on a grid.
@@ -116,22 +108,10 @@ def sample_fractions(
         The geometry, as it is.
     grid
         The background grid.
-    samples
-        Samples along each side of a cell; even, so that none lies on a cell boundary.
-    domain
-        ``"inside"`` measures the winding number, ``"outside"`` one minus the winding number.
+    sampling
+        How the fractions are sampled; None: the defaults.
     window
         Box outside of which there is no material, in model units; samples beyond it count 0.
-    rule
-        ``"average"`` averages raw (inside or outside) values as the paper does;
-        ``"clamped"`` clips each sample to [0, 1] first, right where parts overlap.
-    orientation
-        ``"auto"`` flips the sign of the winding number when its mean is negative (clockwise
-        rings), ``"flip"`` always does, ``"as-is"`` never.
-    sampler
-        ``"crossings"`` counts crossings on the lattice; ``"libigl"`` asks libigl at every sample.
-    tolerance
-        Largest error of a fraction before rounding, dimensionless; `sampler` crossings only.
     progress
         Called with (samples done, samples in all).
 
@@ -153,22 +133,24 @@ def sample_fractions(
     >>> sample_fractions(Outline.from_chains([square]), grid).values.tolist()[1:4]
     [[0.0, 0.25, 0.5, 0.25, 0.0], [0.0, 0.5, 1.0, 0.5, 0.0], [0.0, 0.25, 0.5, 0.25, 0.0]]
     """
+    sampling = sampling or Sampling()
+    samples, domain = sampling.samples, sampling.domain
     _check_samples(samples)
     _check_overlap(geometry, grid, window)
     require_memory(grid, "sampling", name=geometry.name)
     lattice = Lattice.over_grid(grid, samples, window)
-    field = make_field(geometry, sampler, tolerance=tolerance)
+    field = make_field(geometry, sampling.sampler, tolerance=sampling.tolerance)
     tally = _Tally(float(lattice.half.prod()))
-    if rule == "average":
+    if sampling.rule == "average":
         multiples = average_half_blocks(_slabs(field, lattice, tally, progress), lattice)
-        sign = tally.sign(orientation)
+        sign = tally.sign(sampling.orientation)
         np.multiply(multiples, sign, out=multiples)
         if domain == "outside":
             np.subtract(average_coverage(lattice), multiples, out=multiples)
     else:
         for _ in _slabs(field, lattice, tally, None):  # The sign comes first: clipping needs it.
             pass
-        sign = tally.sign(orientation)
+        sign = tally.sign(sampling.orientation)
         clipped = _clipped_slabs(field, lattice, sign, domain, progress)
         multiples = average_half_blocks(clipped, lattice)
     if not tally.is_nonzero:

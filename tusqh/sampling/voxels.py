@@ -23,8 +23,9 @@ from tusqh.errors import SamplingError
 from tusqh.geometry.image import Image
 from tusqh.grid import BackgroundGrid, FloatArray, IntArray
 from tusqh.sampling.doubled_grid import combine_half_blocks
-from tusqh.sampling.fractions import Domain, VolumeFractions, require_memory
+from tusqh.sampling.fractions import VolumeFractions, require_memory
 from tusqh.sampling.lattice import Box
+from tusqh.settings.sampling import Domain
 
 #: How far, in voxels, a grid may be off the voxels by rounding.
 _ROUNDING = 1e-6

@@ -17,7 +17,6 @@ with recorded(snakemake) as log:
     selection = json.loads(Path(snakemake.input.selection).read_text())
     target = Goal.from_dict(snakemake.params.goal).target
     window = snakemake.params.window
-    sampling = Sampling.from_dict(snakemake.params.sampling)
     name = snakemake.wildcards.model
     table = vary_placement(
         load_geometry(Path(snakemake.input.geometry)),
@@ -27,9 +26,7 @@ with recorded(snakemake) as log:
         count=snakemake.params.placements,
         progress=log_progress("placements"),
         window=window and Window.from_dict(window).box,
-        domain=sampling.domain,
-        rule=sampling.rule,
-        orientation=sampling.orientation,
+        sampling=Sampling.from_dict(snakemake.params.sampling),
     )
     stability = map_stability(table, name=name, target=target)
     write_csv(Path(snakemake.output.placements), table)
