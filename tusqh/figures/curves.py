@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
 from tusqh.figures import style
 from tusqh.grid import FloatArray
@@ -16,7 +19,7 @@ _LINEAR_UP_TO = 10
 
 
 def draw_curves(
-    plateaus: pd.DataFrame,
+    curves: pd.DataFrame,
     topologies: pd.DataFrame,
     *,
     threshold: float,
@@ -24,15 +27,15 @@ def draw_curves(
     wanted: str,
     name: str,
 ) -> Figure:
-    """Return the Betti curves of a model: of its filtration, and of the meshes made from it.
+    """Return a figure of the Betti curves of a model: of its filtration, and of its meshes.
 
     Parameters
     ----------
-    plateaus
+    curves
         Plateaus of the filtration with the columns lower, upper and ``betti_*``; each pinch
         follows its own sub-cell there.
     topologies
-        Plateaus that were looked at, with the Betti numbers of the meshes, all decisions made.
+        Examined plateaus, with the Betti numbers of their meshes after all decisions.
     threshold
         The chosen threshold, dimensionless.
     interval
@@ -42,43 +45,54 @@ def draw_curves(
     name
         The model, for the title.
     """
-    dimensions = [k for k in range(3) if k < 2 or plateaus[f"betti_{k}"].any()]
+    dimensions = [k for k in range(3) if k < 2 or curves[f"betti_{k}"].any()]
     figure, axes = style.new_figure(len(dimensions), 1, width=7.0, height=1.9 * len(dimensions) + 1)
     for k, panel in zip(dimensions, axes[:, 0], strict=True):
-        colour = style.DIMENSION_COLOURS[k]
         of_filtration, of_meshes = (
             _as_steps(table, table[f"betti_{k}"].to_numpy(dtype=float))
-            for table in (plateaus, topologies)
+            for table in (curves, topologies)
         )
         panel.axvspan(*interval, color=style.CHOSEN, alpha=0.3, linewidth=0)
         panel.axvline(threshold, color="black", linewidth=0.8)
         panel.plot(*of_filtration, color="#999999", linewidth=0.8)
-        panel.plot(*of_meshes, color=colour, linewidth=1.4)
+        panel.plot(*of_meshes, color=style.MESH_LINE, linewidth=1.4)
         largest = max(np.nanmax(of_filtration[1]), np.nanmax(of_meshes[1]))
         if largest > 3 * _LINEAR_UP_TO:
             panel.set_yscale("symlog", linthresh=_LINEAR_UP_TO)
+        else:
+            panel.yaxis.set_major_locator(MaxNLocator(integer=True))
         panel.set_ylim(-0.04 * _LINEAR_UP_TO, 1.1 * max(largest, 2))
-        panel.set_xlim(1.0, 0.0)
+        panel.set_xlim(0.0, 1.0)
         panel.set_ylabel(rf"$\beta_{k}$: {style.DIMENSION_NAMES[k]} [-]")
         panel.grid(visible=True, axis="y", linewidth=0.3)
-    axes[-1, 0].set_xlabel("volume-fraction threshold [-]")
+    axes[-1, 0].set_xlabel(style.THRESHOLD_LABEL)
     handles = [
-        Line2D([], [], color="#999999", label="the filtration, pinch by pinch"),
-        Line2D([], [], color=style.DIMENSION_COLOURS[0], label="the mesh, all decisions made"),
-        Line2D([], [], color="black", linewidth=0.8, label=f"chosen: {threshold:.4g}"),
+        Line2D([], [], color="#999999", label="filtration, each pinch decided by itself"),
+        Line2D([], [], color=style.MESH_LINE, label="mesh, after all decisions"),
+        Line2D([], [], color="black", linewidth=0.8, label=f"chosen threshold: {threshold:.4g}"),
         Patch(
             color=style.CHOSEN,
             alpha=0.3,
-            label=f"the same topology: {interval[0]:.4g} < t <= {interval[1]:.4g}",
+            label=f"same topology: {interval[0]:.4g} < threshold ≤ {interval[1]:.4g}",
         ),
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)
-    figure.suptitle(f"{name}: asked for {wanted}")
+    figure.suptitle(f"{name}: Betti numbers; requested: {_in_symbols(wanted)}")
     return figure
 
 
+def _in_symbols(wanted: str) -> str:
+    r"""Return a request with the symbols of Betti numbers instead of their keys.
+
+    >>> print(_in_symbols("betti_0 = 1, 2 <= betti_1"))
+    $\beta_0$ = 1, 2 ≤ $\beta_1$
+    """
+    symbols = re.sub(r"betti_(\d)", r"$\\beta_\1$", wanted)
+    return symbols.replace("<=", "≤").replace(">=", "≥")
+
+
 def _as_steps(table: pd.DataFrame, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return plateaus as the points of a line, broken where plateaus were not looked at.
+    """Return plateaus as the points of a line, broken between plateaus that do not meet.
 
     >>> table = pd.DataFrame({"upper": [1.0, 0.5], "lower": [0.75, 0.0]})
     >>> x, y = _as_steps(table, np.array([2.0, 3.0]))

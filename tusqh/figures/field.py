@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
 from tusqh.figures import style
 from tusqh.geometry.outline import Outline
@@ -13,7 +15,7 @@ from tusqh.sampling.fractions import VolumeFractions
 
 
 def draw_field(fractions: VolumeFractions, outline: Outline, *, name: str, unit: str) -> Figure:
-    """Return the fractions on the doubled grid, and the place where the outline is dirtiest.
+    """Return a figure of the fractions on the doubled grid, and of the cell farthest from [0, 1].
 
     Parameters
     ----------
@@ -48,6 +50,9 @@ def draw_field(fractions: VolumeFractions, outline: Outline, *, name: str, unit:
     worst = off if off.any() else np.where(is_clean, 0.0, 0.5 - np.abs(cells - 0.5))
     i, j = np.unravel_index(int(worst.argmax()), worst.shape)
     middle = grid.to_points(np.array([[i + 0.5, j + 0.5]]))[0] / scale
+    colours = mpl.colormaps["viridis"].with_extremes(
+        under=style.BELOW_RANGE, over=style.ABOVE_RANGE
+    )
     image: Any = None
     for panel, low, high in (
         (whole, lower, upper),
@@ -57,17 +62,22 @@ def draw_field(fractions: VolumeFractions, outline: Outline, *, name: str, unit:
             fractions.values.T,
             origin="lower",
             extent=extent,
-            vmin=min(0.0, float(fractions.values.min())),
-            vmax=max(1.0, float(fractions.values.max())),
-            cmap="viridis",
+            vmin=0.0,
+            vmax=1.0,
+            cmap=colours,
             interpolation="nearest",
         )
         style.draw_outline(panel, outline, scale)
         style.frame(panel, low, high, unit)
+    side = grid.cell_size / scale
+    mark = Rectangle(tuple(middle - side / 2), side, side, fill=False, edgecolor="white")
+    close_up.add_patch(mark)
     whole.set_title(f"{name}: {grid.label} cells")
     close_up.set_title(
-        "the cell whose fraction is farthest outside [0, 1]" if off.any() else "a close-up"
+        f"farthest outside [0, 1]: the cell of fraction {cells[i, j]:.3g}"
+        if off.any()
+        else "a close-up"
     )
-    bar = figure.colorbar(image, ax=axes, shrink=0.8)
+    bar = figure.colorbar(image, ax=axes, shrink=0.8, extend="both")
     bar.set_label("volume fraction of cells, edges and vertices [-]")
     return figure

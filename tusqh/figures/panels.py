@@ -43,9 +43,9 @@ def draw_panels(
         size = f"{geometry.voxels.size} voxels"
     panels = axes.ravel()
     picture = render(polydata_of(geometry), box, color="#d9c9a3")
-    show(panels[0], picture, f"the model: {size}, as they are")
+    show(panels[0], picture, f"the model: {size}")
     for panel, mesh, threshold in zip(panels[1:], meshes, thresholds, strict=False):
-        title = f"threshold {100 * threshold:g} %: "
+        title = f"threshold {threshold:g}: "
         if mesh is None:
             panel.set_axis_off()
             panel.set_title(title + "no cell", fontsize=9)

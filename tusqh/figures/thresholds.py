@@ -58,14 +58,14 @@ def draw_thresholds(
         style.frame(panel, lower, upper, unit)
         predicted = cells.predicted
         panel.set_title(
-            f"threshold {100 * threshold:g} %\n"
+            f"threshold {threshold:g}\n"
             rf"$\beta_0$ = {predicted.betti_0}, $\beta_1$ = {predicted.betti_1}"
         )
     handles = [
         Patch(color=style.MATERIAL, label="kept cells"),
         Patch(color=style.REMOVED, label="removed components"),
         Patch(color=style.FILLED, label="filled holes"),
-        Patch(color=style.OUTLINE, label="geometry, as it is"),
+        Patch(color=style.OUTLINE, label="geometry"),
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False)
     figure.suptitle(f"{name}, {grid.label} cells")
