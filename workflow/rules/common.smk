@@ -1,4 +1,5 @@
 # The validated configuration and the few functions that read it; no other file does.
+import difflib
 import os
 import sys
 from pathlib import Path
@@ -34,8 +35,12 @@ THEORY = expand(
     figure=["pinches", "pinches_in_series", "connecting_edges", "aliasing", "axis_gap"]
     + ["theorem_map", "theorem_windows", "theorem_space", "two_triangles", "wedge_islands"],
 ) + ["results/tables/theorem_contradictions.csv", "results/tables/gap_meshes.csv"]
+# Folders of results/ that do not belong to a model.
+FOLDERS_OF_RESULTS = {"figures", "page", "provenance", "report", "tables", "tests", "workflow"}
 PAPER_MODELS = {"chesapeake", "bearings", "dragon"}
 PEERS = ["tusqh", "automesh", "pytetwild", "pyvista", "trimesh"]
+# Priority of the steps that lead to a mesh, so that the first models are ready early.
+MODELS_FIRST = 1
 EXPORTS = ["export_mfem", "export_gmsh", "export_exodus", "export_abaqus"]
 
 try:
@@ -149,6 +154,18 @@ def record_of(step):
     if "model" in step.wildcard_names:
         return f"results/provenance/{{model}}/{name}", f"results/{{model}}/logs/{name}.log"
     return f"results/provenance/{name}", f"results/tables/logs/{name}.log"
+
+
+def hint_at_models(targets):
+    """Warn of targets like results/torux/mesh.vtu, whose model is not in the configuration."""
+    for target in targets:
+        folder, *rest = Path(target).parts[1:] or [""]
+        if target.startswith("results/") and rest and folder not in {*MODELS, *FOLDERS_OF_RESULTS}:
+            near = difflib.get_close_matches(folder, MODELS, n=1)
+            hint = f"did you mean '{near[0]}'? The" if near else "the"
+            logger.warning(
+                f"{target}: there is no model '{folder}'; {hint} models are {', '.join(MODELS)}"
+            )
 
 
 def register_if_there():

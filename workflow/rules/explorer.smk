@@ -10,5 +10,6 @@ rule explorer:
         geometry=settings_of("geometry"),
         unit=settings_of("unit"),
         settings=settings_of("settings"),
+    priority: MODELS_FIRST
     script:
         "../scripts/explorer.py"

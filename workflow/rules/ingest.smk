@@ -8,5 +8,6 @@ rule ingest:
         reader=reader_of,
         source=settings_of("geometry"),
         image=settings_of("image"),
+    priority: MODELS_FIRST
     script:
         "../scripts/ingest.py"

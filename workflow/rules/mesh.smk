@@ -4,6 +4,7 @@ rule mesh:
     output:
         **files("mesh", "facts"),
         **shown("features", "bridges", "certificate"),
+    priority: MODELS_FIRST
     script:
         "../scripts/mesh.py"
 
@@ -38,5 +39,6 @@ rule export:
         **files("mesh"),
     output:
         **files(*EXPORTS),
+    priority: MODELS_FIRST
     script:
         "../scripts/export.py"

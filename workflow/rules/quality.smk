@@ -3,5 +3,6 @@ rule quality:
         **files("mesh", "facts"),
     output:
         **shown("elements", "verdict"),
+    priority: MODELS_FIRST
     script:
         "../scripts/quality.py"

@@ -9,5 +9,6 @@ rule sample:
         sampling=settings_of("sampling"),
     # Sums are of integers, or within one thread: the result does not depend on their number.
     threads: 2
+    priority: MODELS_FIRST
     script:
         "../scripts/sample.py"

@@ -12,6 +12,8 @@ for step, code_file in CODE_OF_STEP.items():
     step.set_log(log_file)
     step.conda_env = os.fspath(BASE / "environment.yml")
 
+hint_at_models(sys.argv[1:])
+
 
 onstart:
     for code_file in sorted(set(CODE_OF_STEP.values())):

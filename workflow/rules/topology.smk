@@ -4,6 +4,7 @@ rule persistence:
     output:
         **shown("diagram"),
         **files("diagonal", "curves"),
+    priority: MODELS_FIRST
     script:
         "../scripts/persistence.py"
 
@@ -17,5 +18,6 @@ rule select:
     params:
         goal=settings_of("goal"),
         policy=settings_of("policy"),
+    priority: MODELS_FIRST
     script:
         "../scripts/select.py"
