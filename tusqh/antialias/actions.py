@@ -105,6 +105,11 @@ def find_actions(
         `SEPARATE`, `NONE` or `CONNECT` for every grid vertex, shape ``n + 1``.
     is_freed
         Vertices at which the templates act whatever their neighbourhood, shape ``n + 1``.
+
+    Returns
+    -------
+    separate, connect
+        Where each of the two decisions acts.
     """
     separate, connect = (
         Action(

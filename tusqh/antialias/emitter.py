@@ -44,18 +44,41 @@ class Emitter:
         self._kinds: list[IntArray] = []
 
     def outer(self, cells: IntArray) -> IntArray:
-        """Return the grid vertices at the corners of flat cells, shape (m, 2**dim)."""
+        """Return the grid vertices at the corners of flat cells, shape (m, 2**dim).
+
+        Parameters
+        ----------
+        cells
+            Flat cells, shape (m,).
+        """
         lowest = np.ravel_multi_index(np.unravel_index(cells, self.grid.shape), self.vertex_shape)
         return np.asarray(lowest[:, None] + self._corner_step, dtype=np.int64)
 
     def inner(self, cells: IntArray) -> IntArray:
-        """Return the corners of the inner cells of flat cells, shape (m, 2**dim)."""
+        """Return the corners of the inner cells of flat cells, shape (m, 2**dim).
+
+        Parameters
+        ----------
+        cells
+            Flat cells that have an inner cell, shape (m,).
+        """
         n_corners = self.template.n_corners
         first = self.n_vertices + n_corners * self._inner_number[cells]
         return np.asarray(first[:, None] + np.arange(n_corners), dtype=np.int64)
 
     def add_points(self, positions: FloatArray) -> IntArray:
-        """Return the numbers of new points at positions in cells from the grid's lowest corner."""
+        """Return the numbers of new points at positions in cells from the grid's lowest corner.
+
+        Parameters
+        ----------
+        positions
+            Positions in cells from the grid's lowest corner, shape (m, dim).
+
+        Returns
+        -------
+        numbers
+            Shape (m,).
+        """
         numbers = self._n_points + np.arange(len(positions), dtype=np.int64)
         self._added.append(positions)
         self._n_points += len(positions)
@@ -78,23 +101,54 @@ class Emitter:
         self._kinds.append(np.full(len(elements), kind, dtype=np.int64))
 
     def add_cells(self, cells: BoolArray, kind: int) -> None:
-        """Add whole cells, shape n, as elements of one kind."""
+        """Add whole cells, shape n, as elements of one kind.
+
+        Parameters
+        ----------
+        cells
+            Cells, shape n.
+        kind
+            One of the kinds of `tusqh.meshes.volume_mesh`.
+        """
         flat = np.flatnonzero(cells)
         self.add(self.outer(flat), flat, kind)
 
     def add_inner_cells(self, cells: BoolArray, kind: int) -> None:
-        """Add the inner cells of cells, shape n, as elements of one kind."""
+        """Add the inner cells of cells, shape n, as elements of one kind.
+
+        Parameters
+        ----------
+        cells
+            Cells that have an inner cell, shape n.
+        kind
+            One of the kinds of `tusqh.meshes.volume_mesh`.
+        """
         flat = np.flatnonzero(cells)
         self.add(self.inner(flat), flat, kind)
 
     def add_frusta(self, face: int, cells: BoolArray, kind: int) -> None:
-        """Add the frusta at one face of cells, shape n, as elements of one kind."""
+        """Add the frusta at one face of cells, shape n, as elements of one kind.
+
+        Parameters
+        ----------
+        face
+            Number of the face, see `tusqh.grid.numbering.FACES`.
+        cells
+            Cells that have an inner cell, shape n.
+        kind
+            One of the kinds of `tusqh.meshes.volume_mesh`.
+        """
         flat = np.flatnonzero(cells)
         corners = np.concatenate([self.outer(flat), self.inner(flat)], axis=1)
         self.add(corners[:, self.template.frusta[face]], flat, kind)
 
     def finish(self, name: str) -> tuple[VolumeMesh, IntArray]:
         """Return the mesh of all elements, in the order of their cells.
+
+        Parameters
+        ----------
+        name
+            The model, for messages.
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""From kept cells and decisions to a manifold mesh, its bridges accepted by measurement."""
+"""From kept cells and decisions to a manifold mesh; bridges are accepted by measuring it."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from tusqh.meshes.volume_mesh import GRID_CELL, VolumeMesh
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.topology.betti_numbers import BettiNumbers
 
-#: More rounds of closing than ever seen (3) mean that the scheme itself is broken.
-MAX_CLOSING_ROUNDS = 8
+#: Upper limit on the rounds that free vertices; random fields need at most 3.
+MAX_ROUNDS = 8
 
 
 @dataclass(frozen=True)
@@ -35,9 +35,9 @@ class Resolved:
     mesh
         The mesh.
     cells
-        The cells it was made of; bridges that the mesh disagreed with are gone from them.
+        The cells it was made of, without the bridges that were rejected.
     closing_rounds
-        Rounds of closing that it took, see `resolve`.
+        Rounds that freed vertices, see `resolve`.
     """
 
     mesh: VolumeMesh
@@ -121,10 +121,10 @@ def resolve(
     bridges: Sequence[IntArray] = (),
     name: str = "mesh",
 ) -> tuple[VolumeMesh, int]:
-    """Return the manifold mesh of kept cells and the rounds of closing that it took.
+    """Return the manifold mesh of kept cells and the number of rounds that freed vertices.
 
-    Closing frees grid vertices that are squeezed between two templates: they join with the
-    decision of the nearest pinch (algorithm 4.4).
+    Grid vertices squeezed between two templates are freed: each takes the decision of the nearest
+    pinch (algorithm 4.4).
 
     Parameters
     ----------
@@ -142,7 +142,14 @@ def resolve(
     Raises
     ------
     MeshError
-        Closing does not end; an internal error, never a silent result.
+        Vertices are still squeezed after `MAX_ROUNDS` rounds, which is an internal error.
+
+    Returns
+    -------
+    mesh
+        The mesh.
+    n_rounds
+        Rounds that free vertices.
 
     Examples
     --------
@@ -159,7 +166,7 @@ def resolve(
     at_vertex = decisions.at_vertex.copy()
     is_freed = np.zeros(at_vertex.shape, dtype=bool)
     is_pinch = find_pinches(kept).ravel()
-    for n_rounds in range(MAX_CLOSING_ROUNDS + 1):
+    for n_rounds in range(MAX_ROUNDS + 1):
         mesh, grid_vertex = emit_mesh(
             kept, at_vertex, grid, bridges=bridges, is_freed=is_freed, name=name
         )
@@ -174,7 +181,7 @@ def resolve(
         at_vertex.ravel()[squeezed] = at_vertex[tuple(nearest)].ravel()[squeezed]
         is_freed.ravel()[squeezed] = True
     raise MeshError(
-        f"{len(bad)} boundary points stay non-manifold after {n_rounds} rounds of closing, "
+        f"{len(bad)} boundary points are not manifold after {n_rounds} rounds of freeing, "
         f"the first at {mesh.points[bad[0]].tolist()}",
         where=name,
         expected="a manifold mesh",
@@ -183,9 +190,9 @@ def resolve(
 
 
 def _find_bad_points(mesh: VolumeMesh, grid_vertex: IntArray, is_pinch: BoolArray) -> IntArray:
-    """Return the points at which the boundary is no manifold.
+    """Return the boundary points at which the boundary is not a manifold.
 
-    Only pinches and points of templates can be such, so only elements around them are looked at.
+    Only pinches and points of templates can be, so only the elements around them are examined.
     """
     suspect = np.zeros(len(mesh.points), dtype=bool)
     suspect[mesh.cells[mesh.kind != GRID_CELL].ravel()] = True
@@ -197,7 +204,15 @@ def _find_bad_points(mesh: VolumeMesh, grid_vertex: IntArray, is_pinch: BoolArra
 
 
 def describe_mesh(resolved: Resolved, fractions: VolumeFractions) -> dict[str, Any]:
-    """Return the facts about a mesh that tables quote, as plain numbers for JSON."""
+    """Return the facts about a mesh that tables quote, as plain numbers for JSON.
+
+    Parameters
+    ----------
+    resolved
+        The mesh and its cells.
+    fractions
+        The volume fractions that it was made from.
+    """
     mesh, cells, grid = resolved.mesh, resolved.cells, fractions.grid
     n_removed = cells.n_removed
     return {

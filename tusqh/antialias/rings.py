@@ -33,7 +33,17 @@ _QUAD_INSET = 0.35
 
 
 def emit_rings(emitter: Emitter, action: Action, kind: int) -> None:
-    """Add the 2-6 templates between acting cells to an emitter."""
+    """Add the 2-6 templates between acting cells to an emitter.
+
+    Parameters
+    ----------
+    emitter
+        Receives points and elements; the acting cells that are split have inner cells.
+    action
+        Where one of the decisions acts.
+    kind
+        One of the kinds of `tusqh.meshes.volume_mesh`.
+    """
     separates = action.decision == SEPARATE
     is_decided = action.at_vertex.ravel()
     for axis in range(3):

@@ -46,7 +46,13 @@ class Strip:
 
     @classmethod
     def along(cls, path: IntArray) -> Strip:
-        """Return the strip along a path of grid vertices, shape (m, 2)."""
+        """Return the strip along a path of grid vertices, shape (m, 2).
+
+        Parameters
+        ----------
+        path
+            Grid vertices, each a neighbour of the one before, shape (m, 2).
+        """
         steps = np.diff(path, axis=0)
         left = np.stack([-steps[:, 1], steps[:, 0]], axis=1)
         at_left = np.empty_like(path)
@@ -60,7 +66,15 @@ class Strip:
 
 
 def find_cells_with_corners(strips: Sequence[Strip], shape: tuple[int, ...]) -> BoolArray:
-    """Return the cells whose inner corners are points of strips, shape n."""
+    """Return the cells whose inner corners are points of strips, shape n.
+
+    Parameters
+    ----------
+    strips
+        Strips along paths.
+    shape
+        Shape n of the grid.
+    """
     found = np.zeros(shape, dtype=bool)
     for strip in strips:
         for side in strip.sides:
@@ -73,6 +87,13 @@ def find_attached_sides(strips: Sequence[Strip], shape: tuple[int, ...]) -> Bool
     """Return for every side of a cell the cells with a trapezoid that attaches a strip there.
 
     Shape (4, *n), sides in the order of `tusqh.grid.numbering.FACES`.
+
+    Parameters
+    ----------
+    strips
+        Strips along paths.
+    shape
+        Shape n of the grid.
     """
     attaches = np.zeros((4, *shape), dtype=bool)
     for strip in strips:
@@ -88,7 +109,15 @@ def find_attached_sides(strips: Sequence[Strip], shape: tuple[int, ...]) -> Bool
 
 
 def emit_strips(emitter: Emitter, strips: Sequence[Strip]) -> None:
-    """Add the quads of strips to an emitter whose cells have the inner corners they need."""
+    """Add the quads of strips to an emitter whose cells have the inner corners they need.
+
+    Parameters
+    ----------
+    emitter
+        Receives points and elements.
+    strips
+        Strips along paths.
+    """
     if not strips:
         return
     stubs = np.concatenate([_stubs(emitter, s.path, side)[0] for s in strips for side in s.sides])

@@ -87,7 +87,13 @@ class BackgroundGrid:
         )
 
     def to_points(self, lattice: FloatArray | IntArray) -> FloatArray:
-        """Return the points, shape (n, dim), of positions given in cells from the origin."""
+        """Return the points, shape (n, dim), of positions given in cells from the origin.
+
+        Parameters
+        ----------
+        lattice
+            Positions, shape (n, dim).
+        """
         return np.asarray(self.origin) + self.cell_size * np.asarray(lattice, dtype=np.float64)
 
     def to_dict(self) -> dict[str, Any]:
@@ -100,7 +106,13 @@ class BackgroundGrid:
 
     @classmethod
     def from_dict(cls, numbers: dict[str, Any]) -> BackgroundGrid:
-        """Return the grid that `to_dict` described."""
+        """Return the grid that `to_dict` described.
+
+        Parameters
+        ----------
+        numbers
+            Shape, cell size and origin.
+        """
         return cls(
             shape=tuple(int(n) for n in numbers["shape"]),
             cell_size=float(numbers["cell_size"]),

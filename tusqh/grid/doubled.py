@@ -26,6 +26,13 @@ Index = tuple[slice, ...]
 def cells(dim: int) -> Index:
     """Return the index of the cells in a doubled array.
 
+    Parameters
+    ----------
+    dim
+        Dimension of the grid.
+
+    Examples
+    --------
     >>> np.arange(25).reshape(5, 5)[cells(2)].tolist()
     [[6, 8], [16, 18]]
     """
@@ -35,6 +42,13 @@ def cells(dim: int) -> Index:
 def vertices(dim: int) -> Index:
     """Return the index of the grid vertices in a doubled array.
 
+    Parameters
+    ----------
+    dim
+        Dimension of the grid.
+
+    Examples
+    --------
     >>> np.arange(9).reshape(3, 3)[vertices(2)].tolist()
     [[0, 2], [6, 8]]
     """
@@ -44,6 +58,15 @@ def vertices(dim: int) -> Index:
 def edges(dim: int, axis: int) -> Index:
     """Return the index of the edges along an axis in a doubled array.
 
+    Parameters
+    ----------
+    dim
+        Dimension of the grid.
+    axis
+        Direction of the edges.
+
+    Examples
+    --------
     >>> np.arange(9).reshape(3, 3)[edges(2, 0)].tolist()
     [[3, 5]]
     """
@@ -53,6 +76,13 @@ def edges(dim: int, axis: int) -> Index:
 def place_dimensions(shape: tuple[int, ...]) -> IntArray:
     """Return the dimension of every place: 0 at a vertex, 1 in an edge, and so on.
 
+    Parameters
+    ----------
+    shape
+        Shape of a doubled array.
+
+    Examples
+    --------
     >>> place_dimensions((3, 3)).tolist()
     [[0, 1, 0], [1, 2, 1], [0, 1, 0]]
     """
@@ -63,6 +93,13 @@ def place_dimensions(shape: tuple[int, ...]) -> IntArray:
 def cells_around(parity: Offset) -> list[Offset]:
     """Return the offsets from a place to the cells that touch it, the first axis slowest.
 
+    Parameters
+    ----------
+    parity
+        Index of the place modulo 2 along each axis.
+
+    Examples
+    --------
     >>> cells_around((0, 1))
     [(-1, 0), (1, 0)]
     """
@@ -72,6 +109,13 @@ def cells_around(parity: Offset) -> list[Offset]:
 def unit_offsets(dim: int) -> list[Offset]:
     """Return the offsets to the two neighbours along each axis.
 
+    Parameters
+    ----------
+    dim
+        Dimension of the grid.
+
+    Examples
+    --------
     >>> unit_offsets(2)
     [(-1, 0), (1, 0), (0, -1), (0, 1)]
     """
@@ -88,6 +132,13 @@ def as_layer(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
     The layer has index 1 along the new first axis: its cells, edges and vertices in the plane are
     cells, faces and edges in space.  The layers 0 and 2 are zero.
 
+    Parameters
+    ----------
+    array
+        A doubled array in 2D or 3D.
+
+    Examples
+    --------
     >>> as_layer(np.ones((3, 5))).shape
     (3, 3, 5)
     """

@@ -30,6 +30,20 @@ Array = np.ndarray[Any, Any]
 def along(axis: int, start: int | None, stop: int | None) -> tuple[slice, ...]:
     """Return the index of a range along one axis.
 
+    Parameters
+    ----------
+    axis
+        The axis.
+    start, stop
+        The range, as of a slice.
+
+    Returns
+    -------
+    index
+        Index into an array with at least `axis` + 1 axes.
+
+    Examples
+    --------
     >>> np.arange(6).reshape(2, 3)[along(1, 1, None)].tolist()
     [[1, 2], [4, 5]]
     """
@@ -39,6 +53,20 @@ def along(axis: int, start: int | None, stop: int | None) -> tuple[slice, ...]:
 def neighbours_along(array: Array, axis: int) -> tuple[Array, Array]:
     """Return views of the lower and the upper entries of all pairs of neighbours along an axis.
 
+    Parameters
+    ----------
+    array
+        Any array.
+    axis
+        The axis.
+
+    Returns
+    -------
+    lower, upper
+        Views, one shorter along the axis.
+
+    Examples
+    --------
     >>> [view.tolist() for view in neighbours_along(np.arange(3), 0)]
     [[0, 1], [1, 2]]
     """
@@ -48,6 +76,17 @@ def neighbours_along(array: Array, axis: int) -> tuple[Array, Array]:
 def window(array: Array, offset: IntArray | Sequence[int], shape: tuple[int, ...]) -> Array:
     """Return the view of a shape that starts at an offset.
 
+    Parameters
+    ----------
+    array
+        Any array.
+    offset
+        Index of the view's first entry, one number per axis.
+    shape
+        Shape of the view.
+
+    Examples
+    --------
     >>> window(np.arange(9).reshape(3, 3), (1, 0), (2, 2)).tolist()
     [[3, 4], [6, 7]]
     """
@@ -102,12 +141,24 @@ def around_edges(cells: Array, axis: int) -> list[Array]:
 
 
 def is_full(around: list[Array]) -> BoolArray:
-    """Return where all cells of a neighbourhood are kept."""
+    """Return where all cells of a neighbourhood are kept.
+
+    Parameters
+    ----------
+    around
+        Kept cells, see `around_vertices` and `around_edges`.
+    """
     return np.asarray(np.logical_and.reduce(around))
 
 
 def is_diagonal(four: list[Array]) -> BoolArray:
-    """Return where exactly two opposite ones of four cells are kept: where an edge is a pinch."""
+    """Return where exactly two opposite ones of four cells are kept: where an edge is a pinch.
+
+    Parameters
+    ----------
+    four
+        Kept cells around edges in 3D, or vertices in 2D, in the order of their bits.
+    """
     a, b, c, d = four
     return np.asarray((a == d) & (b == c) & (a != b))
 
