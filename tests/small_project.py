@@ -64,4 +64,4 @@ def copy_results(built, folder):
         own = {"log", "locks", "scripts"} if inside.endswith(".snakemake") else set()
         return own & set(names)
 
-    shutil.copytree(built, folder, ignore=unneeded)
+    shutil.copytree(built, folder, ignore=unneeded, dirs_exist_ok=True)
