@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from needs import import_or_require
 
 from tusqh.meshes.jacobians import corner_jacobians
 from tusqh.meshes.volume_mesh import VolumeMesh
@@ -48,6 +49,7 @@ def test_vtk_agrees_with_our_scaled_jacobian_far_from_the_origin():
     ],
 )
 def test_pymeshlab_by_hand(picked, components, loops, pinches):
+    import_or_require("pymeshlab")
     measures = surface_measures(lattice(3, picked, shift=(4e5, 4e6)))
     assert measures.connected_components == components
     assert measures.boundary_loops == loops
@@ -56,6 +58,7 @@ def test_pymeshlab_by_hand(picked, components, loops, pinches):
 
 
 def test_a_sound_mesh_is_suitable_and_a_wrong_prediction_is_not():
+    import_or_require("pymeshlab")
     mesh = lattice(3, ANNULUS)
     right = to_table(judge_mesh(mesh, BettiNumbers(1, 1), element_metrics(mesh)))
     assert overall(right) == "suitable"

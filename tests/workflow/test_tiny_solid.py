@@ -19,7 +19,7 @@ from tusqh.meshes.export import read_vtu
 def test_the_mesh_has_the_wanted_topology(built):
     assert betti_by_boundary(read_vtu(built / "results/ring/mesh.vtu")) == (1, 1, 0)
     summary = pd.read_csv(built / "results/tables/summary.csv").set_index("model").loc["ring"]
-    assert summary["verdict"] == "suitable"
+    assert summary["verdict"].startswith("suitable")
     assert abs(summary["volume_over_winding"] - 1) < 0.2
     defects = pd.read_csv(built / "results/ring/defects.csv").set_index("defect")["count"]
     assert defects["boundary_edges"] == 6
