@@ -13,6 +13,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 
 sys.path.insert(0, str(Path(__file__).parent))  # For modules such as `oracles` and `fields`.
 
+from needs import require_rendering  # noqa: E402
 from small_project import add_models  # noqa: E402
 from workflow_runs import succeed  # noqa: E402
 
@@ -60,6 +61,8 @@ def make_once(tmp_path_factory):
 @pytest.fixture(scope="session")
 def built(make_once):
     """A small project with all its results. No test may change it."""
+
+    require_rendering()
 
     def build(folder):
         add_models(folder)

@@ -11,11 +11,14 @@ from pathlib import Path
 
 import pytest
 
+from tusqh.quality.system_libraries import SystemLibraryError, check_rendering
+
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 #: What a test can need, and how to get it.
 REMEDIES = {
     "chromium": "apt-get install chromium, or python -m playwright install --with-deps chromium",
-    "pymeshlab": "apt-get install libgl1 libx11-6 libglib2.0-0",
+    "pymeshlab": "apt-get install libgl1 libopengl0",
+    "EGL": "apt-get install libegl1",
 }
 
 
@@ -42,3 +45,11 @@ def find_browser(playwright):
         if path and Path(path).is_file():
             return path
     return require("chromium", "there is no browser")
+
+
+def require_rendering():
+    """End a test that renders pictures of solids where VTK has no library to do so."""
+    try:
+        check_rendering()
+    except SystemLibraryError as error:
+        require("EGL", str(error).splitlines()[0])

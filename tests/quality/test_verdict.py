@@ -6,7 +6,7 @@ from tusqh.meshes.jacobians import corner_jacobians
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.quality.elements import element_metrics, summarise_metrics
 from tusqh.quality.surface import judge_surface, surface_measures
-from tusqh.quality.system_libraries import SystemLibraryError, describe_missing
+from tusqh.quality.system_libraries import SystemLibraryError, check_rendering, describe_missing
 from tusqh.quality.verdict import judge_mesh, overall, to_table
 from tusqh.topology.betti_numbers import BettiNumbers
 
@@ -84,7 +84,8 @@ def test_a_missing_system_library_costs_pymeshlabs_rows_only(monkeypatch):
 
     monkeypatch.setattr("ctypes.CDLL", load)
     monkeypatch.setattr("sys.platform", "linux")
-    assert describe_missing().startswith("libGL.so.1 not found: install libgl1 ")
+    assert describe_missing().startswith("libGL.so.1 not found, needed for pymeshlab's checks")
+    assert "apt-get install libgl1)" in describe_missing()
 
     def fail(mesh):
         raise SystemLibraryError("pymeshlab cannot run", where="", expected="", remedy="")
@@ -92,3 +93,16 @@ def test_a_missing_system_library_costs_pymeshlabs_rows_only(monkeypatch):
     table = to_table(judge_surface(lattice(3, ANNULUS), BettiNumbers(1, 1), fail))
     assert set(table["holds"]) == {"not run"}
     assert overall(table) == "suitable (6 not run)"
+
+
+def test_rendering_without_a_library_is_an_error_with_a_remedy(monkeypatch):
+    def load(name):
+        raise OSError(name)
+
+    monkeypatch.setattr("ctypes.CDLL", load)
+    monkeypatch.setattr("sys.platform", "linux")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    with pytest.raises(SystemLibraryError, match="apt-get install libgl1 libx11-6 libegl1"):
+        check_rendering()
+    monkeypatch.setenv("DISPLAY", ":0")
+    check_rendering()

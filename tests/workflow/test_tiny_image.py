@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 import tifffile
 from drawings import is_drawn
+from needs import require_rendering
 from workflow_runs import succeed
 
 import tusqh
@@ -30,6 +31,7 @@ snapshots: [0, 2, 4, 8, 16, 32]
 @pytest.fixture(scope="module")
 def foam(tmp_path_factory):
     """A foam of random bubbles in grey values with noise, and the results of the workflow."""
+    require_rendering()
     folder = tmp_path_factory.mktemp("foam")
     rng = np.random.default_rng(7)
     at = np.stack(np.meshgrid(*[np.arange(24.0)] * 3, indexing="ij"), axis=-1)

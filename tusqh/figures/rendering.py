@@ -13,6 +13,7 @@ from tusqh.geometry.image import Image
 from tusqh.geometry.soup import Soup
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.volume_mesh import BRIDGE, CONNECTING, SEPARATING, VolumeMesh
+from tusqh.quality.system_libraries import check_rendering
 
 #: Colours by `VolumeMesh.kind`.
 _COLOURS = {SEPARATING: style.SEPARATING, CONNECTING: style.CONNECTING, BRIDGE: style.BRIDGE}
@@ -99,9 +100,15 @@ def render(surface: Any, box: Any, *, size: tuple[int, int] = (640, 560), **look
         Width and height in pixels.
     **look
         How it is drawn, for `pyvista.Plotter.add_mesh`.
+
+    Raises
+    ------
+    SystemLibraryError
+        The system has no library to render with.
     """
     import pyvista
 
+    check_rendering()
     plotter: Any = pyvista.Plotter(off_screen=True, window_size=list(size))
     plotter.set_background("white")
     if surface.n_cells:

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import sys
 
 from tusqh.errors import TusqhError
 
-#: Library, the Debian package that has it, and what is lost without it.
+#: The purposes that libraries serve.
+SURFACE_CHECKS, RENDERING = "pymeshlab's checks of the mesh surface", "pictures of solids"
+
+#: Libraries of which one is enough, the Debian package of the first, and what needs it.
 REQUIRED = (
-    ("libGL.so.1", "libgl1", "pymeshlab's checks of the mesh surface"),
-    ("libX11.so.6", "libx11-6", "pymeshlab's checks of the mesh surface"),
+    (("libGL.so.1",), "libgl1", SURFACE_CHECKS),
+    (("libX11.so.6",), "libx11-6", SURFACE_CHECKS),
+    (("libEGL.so.1", "libOSMesa.so.8"), "libegl1", RENDERING),
 )
 
 
@@ -19,19 +24,58 @@ class SystemLibraryError(TusqhError):
 
 
 def find_missing_libraries() -> list[tuple[str, str, str]]:
-    """Return those rows of `REQUIRED` that cannot be loaded; none are looked for off Linux."""
-    return [row for row in REQUIRED if sys.platform == "linux" and not _can_load(row[0])]
+    """Return library, Debian package and purpose of what cannot be loaded; nothing off Linux.
+
+    Returns
+    -------
+    list of tuple
+        One row for each row of `REQUIRED` none of whose libraries can be loaded.
+    """
+    return [
+        (names[0], package, purpose)
+        for names, package, purpose in REQUIRED
+        if sys.platform == "linux" and not any(map(_can_load, names))
+    ]
 
 
 def describe_missing() -> str:
-    """Return a line for users about missing libraries, empty when there are none."""
+    """Return a line for users about missing libraries.
+
+    Returns
+    -------
+    str
+        Names, Debian packages and what cannot be done; empty when nothing is missing.
+    """
     missing = find_missing_libraries()
     if not missing:
         return ""
     names = ", ".join(name for name, _, _ in missing)
     packages = " ".join(package for _, package, _ in missing)
-    costs = "; ".join(sorted({cost for _, _, cost in missing}))
-    return f"{names} not found: install {packages} (Debian, Ubuntu). Without: {costs} are not run."
+    purposes = " and ".join(sorted({purpose for _, _, purpose in missing}))
+    return (
+        f"{names} not found, needed for {purposes}: "
+        f"install {packages} (Debian, Ubuntu: apt-get install {packages})"
+    )
+
+
+def check_rendering() -> None:
+    """Check that pictures of solids can be rendered; VTK would end the process without a message.
+
+    Raises
+    ------
+    SystemLibraryError
+        Neither EGL nor OSMesa can be loaded, and there is no display.
+    """
+    names = [
+        name for name, _, purpose in find_missing_libraries() if purpose == "pictures of solids"
+    ]
+    if names and not os.environ.get("DISPLAY"):
+        raise SystemLibraryError(
+            f"{names[0]} cannot be loaded",
+            where="rendering a picture of a solid",
+            expected="EGL or OSMesa, which VTK renders with",
+            remedy=describe_missing(),
+        )
 
 
 def _can_load(name: str) -> bool:
