@@ -25,8 +25,8 @@ from tusqh.geometry.packaged import locate
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import VolumeFractions, round_fractions
 from tusqh.tables import write_csv
-from tusqh.topology.curves import betti_curves, outer_pairs
 from tusqh.topology.persistence import locate_pairs
+from tusqh.topology.topology import Topology
 
 RESULT = Path("results/benchmarks/explorer.csv")
 STEPS = 40
@@ -85,7 +85,8 @@ def _with_noise(subject: Subject, name: str, sigma: float, n: int = 60) -> Subje
     ranks = field.ravel().argsort().argsort().reshape(field.shape)
     grid = BackgroundGrid(shape=(n,) * 3, cell_size=1.0, origin=(0.0, 0.0, 0.0))
     values = round_fractions(np.floor(64 * ranks / ranks.size + 0.5) / 64)
-    curves = betti_curves(values)
+    topology = Topology.from_fractions(values)
+    curves = topology.curves
     topologies = curves.assign(
         threshold=(curves["upper"] + curves["lower"]) / 2,
         clusters=0,
@@ -99,7 +100,7 @@ def _with_noise(subject: Subject, name: str, sigma: float, n: int = 60) -> Subje
         fractions=VolumeFractions.from_values(grid, 4, values),
         curves=curves,
         topologies=topologies,
-        diagram=locate_pairs(outer_pairs(values), grid),
+        diagram=locate_pairs(topology.outer_pairs, grid),
     )
 
 

@@ -19,9 +19,7 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
 from tusqh.geometry.packaged import locate
 from tusqh.grid import BackgroundGrid
-from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
-from tusqh.meshes.checks import check_mesh
-from tusqh.meshes.jacobians import corner_jacobians
+from tusqh.meshes.measure import measure as measure_mesh
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.readers.files import read_file
 from tusqh.sampling.fractions import VolumeFractions, round_fractions, sample_fractions
@@ -72,8 +70,13 @@ def mesh_automesh(fractions: VolumeFractions) -> object:
 
 def check_ours(mesh: VolumeMesh) -> object:
     """Run every check of a mesh that the verification table quotes."""
-    smallest = corner_jacobians(mesh.points, mesh.cells)[1].min()
-    return check_mesh(mesh), betti_by_euler(mesh), betti_by_boundary(mesh), smallest
+    measured = measure_mesh(mesh)
+    return (
+        measured.checks,
+        measured.by_euler,
+        measured.by_boundary,
+        measured.smallest_scaled_jacobian,
+    )
 
 
 def finished(name: str, n: int) -> VolumeMesh:

@@ -93,7 +93,7 @@ def mesh_by_tusqh(given: Arrays) -> Solid:
     from tusqh.pipeline.build import build
     from tusqh.pipeline.sample import sample
     from tusqh.settings.model import Settings
-    from tusqh.threshold.select import Selection
+    from tusqh.threshold.selection import Selection
 
     settings = Settings.from_dict(json.loads(str(given["settings"])))
     selection = Selection.from_dict(json.loads(str(given["selection"])))

@@ -9,7 +9,6 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +21,7 @@ from studies.peer_meshers import NOT_INSTALLED
 from tusqh.geometry.soup import Soup
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.model import Settings
-from tusqh.threshold.select import Selection
+from tusqh.threshold.selection import Selection
 
 FINISHED, MISSING = "finished", "not installed"
 
@@ -108,7 +107,7 @@ def run_peer(
         "origin": np.array(grid.origin),
         "kept": fractions.cells >= selection.threshold,
         "settings": json.dumps(settings.to_dict()),
-        "selection": json.dumps(asdict(selection)),
+        "selection": json.dumps(selection.to_dict()),
     }
     status, made = _run_apart(peer, given, seconds, python_path)
     row: dict[str, Any] = {"model": name, "peer": peer, "status": status}

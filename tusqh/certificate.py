@@ -1,8 +1,13 @@
-"""The topology certificate beside every mesh, and its check from the mesh file alone."""
+"""The topology certificate beside every mesh, and its check from the mesh file alone.
+
+A certificate holds claims about the mesh and about the fractions it was made of.  Both are
+recomputed by the functions that made them, and the check is the difference.
+"""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -16,16 +21,29 @@ from tusqh.errors import MeshError
 from tusqh.hashing import hash_file
 from tusqh.meshes.checks import Check
 from tusqh.meshes.export import read_vtu
-from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.meshes.measure import Measurement
 from tusqh.sampling.io import load_fractions
 from tusqh.settings.policy import Policy
-from tusqh.threshold.select import Selection
+from tusqh.threshold.selection import Selection
 from tusqh.topology.betti_numbers import BettiNumbers
-from tusqh.topology.curves import betti_curves
-from tusqh.topology.persistence import betti_at
 
 #: Name of the certificate in the folder of its mesh.
 FILE_NAME = "certificate.json"
+
+#: What the parts of a claim are called in tables.
+_TITLES = {
+    "mesh": "SHA-256 of the mesh",
+    "fractions": "SHA-256 of the fractions",
+    "raw": "raw prediction from the fractions",
+    "effective": "effective prediction from the fractions",
+    "euler": "Betti numbers by Euler characteristic",
+    "boundary": "Betti numbers by boundary",
+    "predicted": "predicted Betti numbers",
+    "pinches": "pinches from the fractions",
+    "features": "removed and filled features from the fractions",
+    "checks": "checks of the mesh",
+    "holds": "holds",
+}
 
 
 def make_certificate(
@@ -38,7 +56,7 @@ def make_certificate(
     selection
         The threshold and why it was chosen.
     cells
-        The cells of the mesh, with decisions, bridges and dropped features.
+        The cells of the mesh, with decisions, bridges and removed and filled features.
     mesh_file, fractions_file
         The mesh and the fractions it was made of, in one folder.
     name
@@ -49,53 +67,38 @@ def make_certificate(
     MeshError
         The mesh does not have the predicted topology, or a check fails: no certificate then.
     """
-    mesh = read_vtu(mesh_file, name=name)
-    measured = mesh.measurement
-    checks, by_euler, by_boundary = measured.checks, measured.by_euler, measured.by_boundary
-    holds = measured.is_sound and by_euler == by_boundary == cells.predicted == selection.predicted
-    if not holds:
+    measured = read_vtu(mesh_file, name=name).measurement
+    if cells.predicted != selection.predicted or not _is_as_predicted(measured, cells.predicted):
         failed = "; ".join(check.name for check in measured.failed)
         raise MeshError(
-            f"measured Betti numbers {by_euler} and {by_boundary}, "
+            f"measured Betti numbers {measured.by_euler} and {measured.by_boundary}, "
             f"failed checks: {failed or 'none'}",
             where=name,
             expected=f"the predicted Betti numbers {selection.predicted}, and no failed check",
             remedy="this is a fault of tusqh: please report it with fractions.npz",
         )
-    chosen = {
-        key: getattr(selection, key)
-        for key in (
-            *("wanted", "threshold", "lower", "upper", "margin", "cell_margin", "unexamined"),
-            *("reason", "without_features", "policy"),
-        )
-    }
+    of_mesh, of_cells = _claim_of_mesh(measured), _claim_of_cells(cells, selection.raw)
+    chosen = selection.to_dict()
     certificate = {
-        "certificate": 1,
+        "certificate": 2,
         "model": name,
         "tusqh": __version__,
-        "mesh": _digest(mesh_file),
-        "fractions": _digest(fractions_file),
-        "selection": chosen,
-        "predicted": {"raw": list(selection.raw), "effective": list(cells.predicted)},
-        "measured": {"euler": list(by_euler), "boundary": list(by_boundary)},
-        "pinches": {
-            "clusters": cells.decisions.n_clusters,
-            "overruled_clusters": cells.decisions.clusters_overruled,
-            "overruled_pinches": cells.decisions.pinches_overruled,
-        },
-        "bridges": _rows(cells.bridge_table),
-        "features": _rows(cells.features),
-        "checks": [
-            {"name": c.name, "found": str(c.found), "required": c.required, "holds": bool(c.holds)}
-            for c in checks
-        ],
-        "holds": holds,
+        "mesh": {"file": mesh_file.name, "sha256": hash_file(mesh_file)},
+        "fractions": {"file": fractions_file.name, "sha256": hash_file(fractions_file)},
+        "selection": {key: chosen[key] for key in chosen if key not in ("raw", "predicted")},
+        "predicted": {"raw": of_cells["raw"], "effective": of_cells["effective"]},
+        "measured": {"euler": of_mesh["euler"], "boundary": of_mesh["boundary"]},
+        "pinches": of_cells["pinches"],
+        "bridges": _to_records(cells.bridge_table),
+        "features": of_cells["features"],
+        "checks": of_mesh["checks"],
+        "holds": True,
     }
     jsonschema.validate(certificate, schema())
     return certificate
 
 
-def check_certificate(path: Path, mesh_file: Path, mesh: VolumeMesh) -> list[Check]:
+def check_certificate(path: Path, mesh_file: Path, measured: Measurement) -> list[Check]:
     """Return what a certificate claims, recomputed from the mesh and, if there, the fractions.
 
     Parameters
@@ -104,62 +107,33 @@ def check_certificate(path: Path, mesh_file: Path, mesh: VolumeMesh) -> list[Che
         The certificate.
     mesh_file
         The mesh it should belong to.
-    mesh
-        That mesh, as read.
+    measured
+        The measurement of that mesh, as read.
 
     Raises
     ------
     MeshError
         The certificate cannot be read or does not follow the schema.
     """
-    claim = _read(path)
-    measured = claim["measured"]
-    checks = [
-        _same_digest("certificate: SHA-256 of the mesh", mesh_file, claim["mesh"]["sha256"]),
-        _same(
-            "certificate: Betti numbers by Euler characteristic",
-            list(mesh.measurement.by_euler),
-            measured["euler"],
-        ),
-        _same(
-            "certificate: Betti numbers by boundary",
-            list(mesh.measurement.by_boundary),
-            measured["boundary"],
-        ),
-        _same(
-            "certificate: predicted Betti numbers",
-            claim["predicted"]["effective"],
-            measured["euler"],
-        ),
-        _same("certificate: number of checks", len(mesh.measurement.checks), len(claim["checks"])),
-        _same(
-            "certificate: failed checks",
-            [check.name for check in mesh.measurement.failed],
-            [check["name"] for check in claim["checks"] if not check["holds"]],
-        ),
-        _same("certificate: holds", claim["holds"], True),
-    ]
-    fractions_file = path.parent / claim["fractions"]["file"]
-    if not fractions_file.is_file():
-        return checks
-    fractions = load_fractions(fractions_file)
-    threshold = claim["selection"]["threshold"]
-    policy = Policy.from_dict(claim["selection"]["policy"])
-    raw = betti_at(betti_curves(fractions.values), threshold)
-    effective = CellSets(fractions, policy).at(threshold).predicted
-    digest = claim["fractions"]["sha256"]
-    return [
-        *checks,
-        _same_digest("certificate: SHA-256 of the fractions", fractions_file, digest),
-        _same(
-            "certificate: raw prediction from the fractions", list(raw), claim["predicted"]["raw"]
-        ),
-        _same(
-            "certificate: effective prediction from the fractions",
-            list(effective),
-            claim["predicted"]["effective"],
-        ),
-    ]
+    stored = _read(path)
+    claimed = _claims_in(stored)
+    recomputed = {
+        "mesh": hash_file(mesh_file),
+        **_claim_of_mesh(measured),
+        "predicted": list(measured.by_euler),
+        "holds": _is_as_predicted(measured, BettiNumbers(*claimed["predicted"])),
+    }
+    fractions_file = path.parent / stored["fractions"]["file"]
+    if fractions_file.is_file():
+        policy = Policy.from_dict(stored["selection"]["policy"])
+        cell_sets = CellSets(load_fractions(fractions_file), policy)
+        threshold = stored["selection"]["threshold"]
+        raw = cell_sets.topology.betti_at(threshold)
+        recomputed |= {
+            "fractions": hash_file(fractions_file),
+            **_claim_of_cells(cell_sets.at(threshold), raw),
+        }
+    return [_compare(key, found, claimed[key]) for key, found in recomputed.items()]
 
 
 def schema() -> dict[str, Any]:
@@ -169,39 +143,101 @@ def schema() -> dict[str, Any]:
 
 
 def read_predicted(path: Path) -> BettiNumbers:
-    """Return the Betti numbers that a certificate says were predicted."""
+    """Return the Betti numbers that a certificate says were predicted.
+
+    Parameters
+    ----------
+    path
+        The certificate.
+
+    Raises
+    ------
+    MeshError
+        The certificate cannot be read or does not follow the schema.
+    """
     return BettiNumbers(*_read(path)["predicted"]["effective"])
+
+
+def _is_as_predicted(measured: Measurement, predicted: BettiNumbers) -> bool:
+    return measured.is_sound and measured.has_topology(predicted)
+
+
+def _claim_of_mesh(measured: Measurement) -> dict[str, Any]:
+    """Return what is claimed of a mesh alone."""
+    return {
+        "euler": list(measured.by_euler),
+        "boundary": list(measured.by_boundary),
+        "checks": [
+            {
+                "id": check.id,
+                "name": check.name,
+                "found": str(check.found),
+                "required": check.required,
+                "holds": bool(check.holds),
+            }
+            for check in measured.checks
+        ],
+    }
+
+
+def _claim_of_cells(cells: CellSet, raw: BettiNumbers) -> dict[str, Any]:
+    """Return what is claimed of the fractions at the threshold, before meshing."""
+    decisions = cells.decisions
+    return {
+        "raw": list(raw),
+        "effective": list(cells.predicted),
+        "pinches": {
+            "clusters": decisions.n_clusters,
+            "overruled_clusters": decisions.clusters_overruled,
+            "overruled_pinches": decisions.pinches_overruled,
+        },
+        "features": _to_records(cells.features),
+    }
+
+
+def _claims_in(stored: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the claims of a certificate under the names of the recomputed ones."""
+    return {
+        **{key: stored[key]["sha256"] for key in ("mesh", "fractions")},
+        **stored["predicted"],
+        **stored["measured"],
+        "predicted": stored["predicted"]["effective"],
+        **{key: stored[key] for key in ("pinches", "features", "checks", "holds")},
+    }
+
+
+def _compare(key: str, found: Any, claimed: Any) -> Check:
+    """Return the check of one claim; digests are shortened, and of tables rows are counted."""
+    is_digest = key in ("mesh", "fractions")
+    is_table = key in ("checks", "features")
+    shown = [
+        value[:12] if is_digest else f"{len(value)} rows" if is_table else value
+        for value in (found, claimed)
+    ]
+    return Check(
+        id=f"certificate_{key}",
+        name=f"certificate: {_TITLES[key]}",
+        found=shown[0],
+        required=str(shown[1]),
+        holds=found == claimed,
+    )
 
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        claim = json.loads(path.read_text("utf-8"))
-        jsonschema.validate(claim, schema())
+        stored = json.loads(path.read_text("utf-8"))
+        jsonschema.validate(stored, schema())
     except (OSError, ValueError, jsonschema.ValidationError) as reason:
         text = reason.message if isinstance(reason, jsonschema.ValidationError) else str(reason)
         raise MeshError(
-            f"is no valid certificate: {text}",
+            f"is not a valid certificate: {text}",
             where=str(path),
-            expected="a file that the mesh step wrote, untouched",
+            expected="a file that the mesh step wrote, unchanged",
             remedy="make the mesh again, or check the mesh in another folder without certificate",
         ) from reason
-    return dict(claim)
+    return dict(stored)
 
 
-def _digest(path: Path) -> dict[str, str]:
-    return {"file": path.name, "sha256": hash_file(path)}
-
-
-def _rows(table: pd.DataFrame) -> list[dict[str, Any]]:
+def _to_records(table: pd.DataFrame) -> list[dict[str, Any]]:
     """Return a table as plain values, for JSON."""
     return list(json.loads(table.to_json(orient="records", double_precision=15)))
-
-
-def _same(name: str, found: object, required: object) -> Check:
-    return Check(name, name, found, str(required), found == required)
-
-
-def _same_digest(name: str, path: Path, required: str) -> Check:
-    """Compare whole digests, and show as much as people do."""
-    found = hash_file(path)
-    return Check(name, name, found[:12], required[:12], found == required)

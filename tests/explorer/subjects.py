@@ -14,10 +14,9 @@ from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.goal import Goal
 from tusqh.settings.model import Settings
-from tusqh.threshold.plateaus import predict_plateaus
-from tusqh.threshold.select import choose_threshold
-from tusqh.topology.curves import betti_curves
-from tusqh.topology.persistence import locate_pairs, persistence_pairs
+from tusqh.threshold.choose import choose_threshold
+from tusqh.threshold.plateaus import Plateaus
+from tusqh.topology.persistence import locate_pairs
 
 
 def noise(rng, shape, n_levels=6):
@@ -44,14 +43,13 @@ def make_subject(fractions, policy=None, *, name="noise", threshold=0.5):
     """Return everything about a field that its explorer shows."""
     settings = Settings.from_dict(policy or {})
     cell_sets = CellSets(fractions, settings.policy)
-    curves = betti_curves(fractions.values)
-    topologies = predict_plateaus(cell_sets, curves)
-    selection, _ = choose_threshold(
-        cell_sets, topologies, goal=Goal(threshold=threshold), name=name
-    )
+    curves = cell_sets.topology.curves
+    plateaus = Plateaus(cell_sets)
+    selection, _ = choose_threshold(plateaus, Goal(threshold=threshold), name=name)
     built = build_mesh(cell_sets.at(selection.threshold), fractions.grid, name=name)
     verdict = pd.DataFrame(
-        [("a check", "0", "0", "yes")], columns=["name", "found", "required", "holds"]
+        [("a_check", "a check", "0", "0", "yes")],
+        columns=["id", "name", "found", "required", "holds"],
     )
     return Subject(
         name=name,
@@ -61,8 +59,8 @@ def make_subject(fractions, policy=None, *, name="noise", threshold=0.5):
         geometry=box_of(fractions.grid),
         fractions=fractions,
         curves=curves,
-        topologies=topologies,
-        diagram=locate_pairs(persistence_pairs(fractions.values), fractions.grid),
+        topologies=plateaus.table,
+        diagram=locate_pairs(cell_sets.topology.pairs, fractions.grid),
         selection=selection,
         mesh=built.mesh,
         tables={

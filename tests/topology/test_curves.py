@@ -8,14 +8,8 @@ from tusqh.antialias.cells import CellSets
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.policy import Policy
-from tusqh.topology.curves import betti_curves, outer_pairs
 from tusqh.topology.filtration import build_filtration
-from tusqh.topology.persistence import (
-    betti_at,
-    paired_dimensions,
-    persistence_pairs,
-    require_agreement,
-)
+from tusqh.topology.topology import Topology
 
 
 def random_values(rng, shape):
@@ -32,12 +26,11 @@ def random_values(rng, shape):
 
 def compare_everything(values):
     filtration = build_filtration(values)
-    plateaus = betti_curves(values)
+    topology = Topology.from_fractions(values)
+    plateaus = topology.curves
     assert plateaus["upper"].iloc[0] == 1.0
     assert plateaus["lower"].iloc[-1] == 0.0
-    require_agreement(
-        persistence_pairs(values), plateaus, paired_dimensions(values.shape), name="random"
-    )
+    topology.require_agreement(name="random")
     reference = gudhi_pairs(filtration)
     for row in plateaus.itertuples():
         level = (filtration.values >= row.upper).nonzero()[0]
@@ -49,11 +42,11 @@ def compare_everything(values):
         ]
         assert [row.betti_0, row.betti_1, row.betti_2] == by_rank == by_gudhi
         assert row.euler == row.betti_0 - row.betti_1 + row.betti_2
-        assert list(betti_at(plateaus, (row.lower + row.upper) / 2)) == by_rank
+        assert list(topology.betti_at((row.lower + row.upper) / 2)) == by_rank
     clipped = [(k, min(birth, 1.0), min(death, 1.0)) for k, birth, death in reference]
     last = values.ndim - 1
     expected = sorted(p for p in clipped if p[0] in (0, last) and p[1] > p[2])
-    outer = outer_pairs(values)
+    outer = topology.outer_pairs
     assert sorted(map(tuple, outer[["dimension", "birth", "death"]].values)) == expected
 
 
@@ -78,18 +71,17 @@ def test_raw_equals_effective_where_nothing_is_overruled(seed):
     values = np.clip(random_values(rng, shape), 0, 1)
     grid = BackgroundGrid(shape=shape, cell_size=1.0, origin=(0.0, 0.0))
     fractions = VolumeFractions.from_values(grid=grid, samples=4, values=values)
-    plateaus = betti_curves(values)
     cell_sets = CellSets(fractions, Policy(bridges="none"))
-    for threshold in plateaus["upper"]:
+    for threshold in cell_sets.topology.curves["upper"]:
         cells = cell_sets.at(threshold)
         if cells.decisions.clusters_overruled == 0:
-            assert cells.predicted == betti_at(plateaus, threshold)
+            assert cells.predicted == cell_sets.topology.betti_at(threshold)
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 5), (1, 1, 1), (1, 1, 4)])
 @pytest.mark.parametrize("value", [0.0, 0.5, 1.0])
 def test_constant_fields(shape, value):
     values = np.full(tuple(2 * n + 1 for n in shape), value)
-    plateaus = betti_curves(values)
+    plateaus = Topology.from_fractions(values).curves
     assert (plateaus["betti_0"] == (plateaus["upper"] <= value)).all()
     assert (plateaus[["betti_1", "betti_2"]] == 0).all(axis=None)

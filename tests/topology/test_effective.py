@@ -5,9 +5,8 @@ import pytest
 
 from tusqh.antialias.clusters import CONNECT, SEPARATE, decide_by_vote
 from tusqh.antialias.pinches import find_pinches
-from tusqh.topology.curves import betti_curves
 from tusqh.topology.effective import count_euler_characteristic, effective_betti
-from tusqh.topology.persistence import betti_at, persistence_pairs, require_agreement
+from tusqh.topology.topology import Topology
 
 
 def decided_nodes(kept, connects):
@@ -34,8 +33,7 @@ def test_random_cells_and_decisions(dim, seed):
         at_vertex = decide_by_vote(is_pinch, rng.random(is_pinch.shape) < 0.5).at_vertex
         connects, separates = at_vertex == CONNECT, at_vertex == SEPARATE
         predicted = effective_betti(kept, connects, separates)
-        values = decided_nodes(kept, connects)
-        plateaus = betti_curves(values)
-        require_agreement(persistence_pairs(values), plateaus, (0, 1), name="decided")
-        assert predicted == betti_at(plateaus, 1.0)
+        topology = Topology.from_fractions(decided_nodes(kept, connects))
+        topology.require_agreement(name="decided")
+        assert predicted == topology.betti_at(1.0)
         assert count_euler_characteristic(kept, connects) == predicted.euler_characteristic

@@ -5,15 +5,14 @@ import pytest
 from fields import make_fractions, random_fractions
 
 from tusqh.errors import TopologyError
-from tusqh.topology.curves import betti_curves
 from tusqh.topology.filtration import clamp_values
 from tusqh.topology.persistence import (
     count_alive,
     locate_pairs,
     paired_dimensions,
-    persistence_pairs,
     require_agreement,
 )
+from tusqh.topology.topology import Topology
 
 
 def test_a_ring_with_a_weak_side_by_hand():
@@ -21,7 +20,7 @@ def test_a_ring_with_a_weak_side_by_hand():
     cells = np.ones((3, 3))
     cells[1, 1], cells[0, 1] = 0.25, 0.5
     fractions = make_fractions(cells)
-    pairs = locate_pairs(persistence_pairs(fractions.values), fractions.grid)
+    pairs = locate_pairs(Topology(fractions.multiples).pairs, fractions.grid)
     holes = pairs[pairs["dimension"] == 1]
     assert holes[["birth", "death"]].to_numpy().tolist() == [[0.5, 0.25]]
     # The cell (0, 1) makes the hole; the last vertex around the cell (1, 1) fills it.
@@ -57,7 +56,7 @@ def test_places_are_inside_the_grid_and_have_the_values_of_the_events():
     rng = np.random.default_rng(5)
     for shape in [(4, 5), (3, 4, 2)]:
         values = rng.integers(0, 9, 2 * np.array(shape) + 1) / 8
-        pairs = persistence_pairs(values)
+        pairs = Topology.from_fractions(values).pairs
         padded = clamp_values(np.pad(values, 2))
         clamped = padded[(slice(2, -2),) * len(shape)].ravel()
         assert (clamped[pairs["birth_place"]] == pairs["birth"]).all()
@@ -68,7 +67,7 @@ def test_places_are_inside_the_grid_and_have_the_values_of_the_events():
 
 def test_located_pairs_name_the_place_as_it_is_on_the_map():
     fractions = random_fractions(np.random.default_rng(8), (5, 4))
-    pairs = persistence_pairs(fractions.values)
+    pairs = Topology(fractions.multiples).pairs
     some = pairs[pairs.index % 2 == 1]  # Rows may have been filtered before.
     located = locate_pairs(some, fractions.grid)
     mortal = located[~located["essential"]]
@@ -84,25 +83,39 @@ def test_located_pairs_name_the_place_as_it_is_on_the_map():
 def test_large_grids_have_the_outer_pairs_only():
     rng = np.random.default_rng(6)
     values = rng.integers(0, 9, (7, 9, 5)) / 8
-    everything, outer = persistence_pairs(values), persistence_pairs(values, n_cells=1)
+    everything = Topology.from_fractions(values).pairs
+    topology = Topology.from_fractions(values, n_cells=1)
+    outer = topology.pairs
     assert paired_dimensions(values.shape) == (0, 1, 2)
     assert paired_dimensions(values.shape, n_cells=1) == (0, 2)
     assert 1 in set(everything["dimension"])
     columns = ["dimension", "birth", "death"]
     expected = everything.loc[everything["dimension"] != 1, columns]
     assert sorted(map(tuple, outer[columns].values)) == sorted(map(tuple, expected.values))
-    require_agreement(outer, betti_curves(values), (0, 2), name="large")
+    topology.require_agreement(name="large")
 
 
 def test_a_disagreement_between_the_two_roads_is_never_silent():
     values = np.random.default_rng(7).integers(0, 9, (9, 9)) / 8
-    pairs, plateaus = persistence_pairs(values), betti_curves(values)
-    require_agreement(pairs, plateaus, (0, 1), name="plane")
+    topology = Topology.from_fractions(values)
+    topology.require_agreement(name="plane")
     with pytest.raises(TopologyError, match="persistence pairs give Betti numbers"):
-        require_agreement(pairs.iloc[1:], plateaus, (0, 1), name="plane")
+        require_agreement(topology.pairs.iloc[1:], topology.curves, (0, 1), name="plane")
 
 
 def test_no_pairs_count_as_nothing():
-    pairs = persistence_pairs(np.zeros((5, 5)))
+    pairs = Topology.from_fractions(np.zeros((5, 5))).pairs
     assert len(pairs) == 0
     assert count_alive(pairs, np.array([0.5])).tolist() == [[0, 0, 0]]
+
+
+def test_a_topology_is_computed_once_and_agrees_with_stored_tables():
+    fractions = random_fractions(np.random.default_rng(9), (6, 5))
+    topology = Topology(fractions.multiples)
+    assert topology.curves is topology.curves
+    assert topology.pairs is topology.pairs
+    stored = Topology.from_tables(fractions.multiples, topology.curves, topology.pairs)
+    assert stored.betti_at(0.5) == topology.betti_at(0.5)
+    stored.require_agreement(name="stored")
+    for ours, theirs in zip(stored.persistence_by_cell, topology.persistence_by_cell, strict=True):
+        assert np.array_equal(ours, theirs)

@@ -12,9 +12,8 @@ from tusqh.sampling.layout import lay_grid
 from tusqh.settings.goal import Goal
 from tusqh.settings.policy import Criteria, Policy
 from tusqh.settings.sampling import Sampling
-from tusqh.threshold.plateaus import predict_plateaus
-from tusqh.threshold.select import choose_threshold
-from tusqh.topology.curves import betti_curves
+from tusqh.threshold.choose import choose_threshold
+from tusqh.threshold.plateaus import Plateaus
 
 WINDOW = ((250000.0, 4075000.0), (490000.0, 4391000.0))
 
@@ -43,13 +42,11 @@ def test_predicted_topology_is_measured_topology(fractions, threshold, min_cells
 def test_at_least_six_topologies_can_be_asked_for(fractions, bridges):
     policy = Policy(bridges=bridges, components=Criteria(min_cells=4))
     cell_sets = CellSets(fractions, policy)
-    predicted = predict_plateaus(cell_sets, betti_curves(fractions.values))
-    targets = predicted[["betti_0", "betti_1"]].drop_duplicates().to_dict("records")
+    plateaus = Plateaus(cell_sets)
+    targets = plateaus.table[["betti_0", "betti_1"]].drop_duplicates().to_dict("records")
     assert len(targets) >= 6
     for target in targets:
-        chosen, candidates = choose_threshold(
-            cell_sets, predicted, goal=Goal.from_dict({"target": target})
-        )
+        chosen, candidates = choose_threshold(plateaus, Goal.from_dict({"target": target}))
         assert (candidates["status"] == "chosen").sum() == 1
         mesh = build_mesh(cell_sets.at(chosen.threshold), fractions.grid).mesh
         assert betti_by_boundary(mesh)._asdict() == {**target, "betti_2": 0}

@@ -27,8 +27,8 @@ from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.policy import Policy
 from tusqh.topology.betti_numbers import BettiNumbers
-from tusqh.topology.curves import persistence_by_cell
 from tusqh.topology.effective import effective_betti, label_components
+from tusqh.topology.topology import Topology
 
 
 @dataclass(frozen=True)
@@ -122,6 +122,8 @@ class CellSets:
         Volume fractions of cells and sub-cells.
     policy
         What to do about pinches, archipelagos and small features.
+    topology
+        The topology of the fractions, where it was made before.
 
     Raises
     ------
@@ -138,8 +140,15 @@ class CellSets:
     '(2, 0, 0)'
     """
 
-    def __init__(self, fractions: VolumeFractions, policy: Policy | None = None) -> None:
+    def __init__(
+        self,
+        fractions: VolumeFractions,
+        policy: Policy | None = None,
+        *,
+        topology: Topology | None = None,
+    ) -> None:
         self.fractions = fractions
+        self.topology = topology or Topology(fractions.multiples)
         self.policy = policy or Policy()
         in_plane = fractions.grid.dim == 2
         wrong = self.policy.voids if in_plane else self.policy.holes
@@ -221,7 +230,7 @@ class CellSets:
             labels,
             self.policy.components,
             self.fractions,
-            self._persistence[0],
+            self.topology.persistence_by_cell[0],
             threshold=threshold,
             feature=COMPONENT,
         )
@@ -242,7 +251,7 @@ class CellSets:
             labels[(slice(1, -1),) * state.kept.ndim],
             criteria,
             self.fractions,
-            self._persistence[1],
+            self.topology.persistence_by_cell[1],
             threshold=threshold,
             feature=HOLE if in_plane else VOID,
         )
@@ -252,11 +261,6 @@ class CellSets:
     def _no_features(self) -> pd.DataFrame:
         """Return the empty table of features."""
         return pd.DataFrame(columns=[*FEATURE_COLUMNS, *"xyz"[: self.fractions.grid.dim]])
-
-    @cached_property
-    def _persistence(self) -> tuple[FloatArray, FloatArray]:
-        """Persistence of the components and of the holes or voids of every cell."""
-        return persistence_by_cell(self.fractions.values)
 
 
 def predict_betti(

@@ -34,7 +34,7 @@ def check(mesh: Annotated[Path, typer.Argument(help="A .vtu file of quads or hex
     expected = read_predicted(certificate) if certificate.is_file() else measured
     checks = judge_mesh(volume_mesh, expected, element_metrics(volume_mesh))
     if certificate.is_file():
-        checks += check_certificate(certificate, mesh, volume_mesh)
+        checks += check_certificate(certificate, mesh, volume_mesh.measurement)
     table = to_table(checks)
     show(table, title=f"{mesh.name}: {volume_mesh.n_cells} elements, Betti numbers {measured}")
     verdict = overall(table)

@@ -43,9 +43,8 @@ def inspect(
     * `tusqh inspect bay.geojson --domain outside --cells 60,79 --all`
     """
     from tusqh.pipeline.ingest import describe_geometry, ingest
-    from tusqh.pipeline.persistence import find_persistence
     from tusqh.pipeline.sample import sample
-    from tusqh.pipeline.select import predict
+    from tusqh.pipeline.select import find_plateaus
 
     found = ingest(geometry, image=settings.image.to_dict())
     show(describe_geometry(found), title=f"Defects of {found.name}")
@@ -59,9 +58,7 @@ def inspect(
             window=settings.window,
             progress=progress,
         )
-        progress("persistence")
-        curves = find_persistence(fractions, name=found.name).curves
-        _, topologies = predict(fractions, curves, policy=settings.policy, progress=progress)
+        topologies = find_plateaus(fractions, policy=settings.policy, progress=progress).table
     table, n_more = _list_topologies(topologies, every=every)
     show(table, title=f"Topologies on {fractions.grid.label} cells, by threshold t")
     if n_more:

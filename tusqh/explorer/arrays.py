@@ -67,9 +67,9 @@ def plateau_arrays(cell_sets: CellSets, curves: pd.DataFrame, topologies: pd.Dat
     cell_sets
         The cells of every threshold.
     curves
-        Raw Betti numbers, see `tusqh.topology.curves.betti_curves`.
+        Raw Betti numbers, see `tusqh.topology.topology.Topology.curves`.
     topologies
-        Betti numbers of meshes, see `tusqh.threshold.plateaus.predict_plateaus`.
+        Betti numbers of meshes, see `tusqh.threshold.plateaus.Plateaus.table`.
 
     Returns
     -------

@@ -27,14 +27,13 @@ from tusqh.explorer.encode import pack
 from tusqh.explorer.subject import Subject
 from tusqh.meshes.volume_mesh import KINDS
 from tusqh.quality.verdict import overall
-from tusqh.settings.policy import Policy
 from tusqh.threshold.plateaus import BETTI
 
 
 def make_page(subject: Subject) -> str:
     """Return the explorer of a model: the same text for the same subject."""
     grid = subject.fractions.grid
-    cell_sets = CellSets(subject.fractions, Policy.from_dict(subject.selection.policy))
+    cell_sets = CellSets(subject.fractions, subject.selection.policy)
     blocks = {
         "field": pack(field_arrays(subject.fractions)),
         "plateaus": pack(plateau_arrays(cell_sets, subject.curves, subject.topologies)),

@@ -23,7 +23,7 @@ from tusqh.settings.grid import Grid, Window
 from tusqh.settings.model import Settings
 from tusqh.settings.policy import Policy
 from tusqh.settings.sampling import Sampling
-from tusqh.threshold.select import Selection
+from tusqh.threshold.selection import Selection
 
 if TYPE_CHECKING:
     from tusqh.pipeline.result import Result
@@ -60,9 +60,9 @@ class Subject:
     fractions
         Volume fractions of cells and sub-cells.
     curves
-        Raw Betti numbers by plateau, see `tusqh.topology.curves.betti_curves`.
+        Raw Betti numbers by plateau, see `tusqh.topology.topology.Topology.curves`.
     topologies
-        Betti numbers of meshes by plateau, see `tusqh.threshold.plateaus.predict_plateaus`.
+        Betti numbers of meshes by plateau, see `tusqh.threshold.plateaus.Plateaus.table`.
     diagram
         Persistence pairs, see `tusqh.topology.persistence.locate_pairs`.
     selection

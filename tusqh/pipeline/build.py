@@ -14,9 +14,8 @@ from tusqh.hashing import canonical_json
 from tusqh.meshes.export import write_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.sampling.fractions import VolumeFractions
-from tusqh.settings.policy import Policy
 from tusqh.tables import write_csv
-from tusqh.threshold.select import Selection
+from tusqh.threshold.selection import Selection
 
 
 @dataclass(frozen=True)
@@ -30,7 +29,7 @@ class Built:
     fractions
         The volume fractions that were cut at it.
     resolved
-        The mesh with its cells, decisions, bridges and dropped features.
+        The mesh with its cells, decisions, bridges, and the features removed and filled.
     facts
         Plain numbers about the mesh, which tables quote.
     """
@@ -86,14 +85,24 @@ class Built:
 def build(fractions: VolumeFractions, selection: Selection, *, name: str = "model") -> Built:
     """Return the mesh of volume fractions at a chosen threshold, every pinch resolved.
 
+    Parameters
+    ----------
+    fractions
+        Volume fractions.
+    selection
+        The threshold; the mesh that verified it is taken where there is one.
+    name
+        The model.
+
     Raises
     ------
     MeshError
         A pinch cannot be resolved, which is a fault of tusqh, never of the geometry.
     """
-    policy = Policy.from_dict(selection.policy)
-    cells = CellSets(fractions, policy).at(selection.threshold)
-    resolved = build_mesh(cells, fractions.grid, name=name)
+    resolved = selection.resolved
+    if resolved is None or resolved.mesh.name != name:
+        cells = CellSets(fractions, selection.policy).at(selection.threshold)
+        resolved = build_mesh(cells, fractions.grid, name=name)
     facts = {
         "threshold": selection.threshold,
         "margin": selection.margin,

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from tusqh.pipeline.build import build
-from tusqh.pipeline.ingest import describe_geometry, ingest
+from tusqh.pipeline.ingest import ingest
 from tusqh.pipeline.judge import judge
 from tusqh.pipeline.persistence import find_persistence
 from tusqh.pipeline.result import Result
@@ -157,7 +157,6 @@ def run_stages(
         name = Path(source).stem if isinstance(source, (str, Path)) else "model"
     progress("reading")
     geometry = ingest(source, name=name, image=settings.image.to_dict())
-    defects = describe_geometry(geometry)
     fractions = sample(
         geometry,
         grid=settings.grid,
@@ -169,8 +168,7 @@ def run_stages(
     found = find_persistence(fractions, name=name)
     choice = select(
         fractions,
-        found.curves,
-        found.diagram,
+        found.topology,
         policy=settings.policy,
         goal=settings.goal,
         name=name,
@@ -180,4 +178,4 @@ def run_stages(
     built = build(fractions, choice.selection, name=name)
     progress("quality")
     judgement = judge(built.mesh, choice.selection.predicted)
-    return Result(geometry, defects, fractions, found, choice, built, judgement, settings)
+    return Result(geometry, fractions, found, choice, built, judgement, settings)

@@ -3,53 +3,72 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import pandas as pd
 
+from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import VolumeFractions
-from tusqh.topology.curves import betti_curves
-from tusqh.topology.persistence import (
-    locate_pairs,
-    paired_dimensions,
-    persistence_pairs,
-    require_agreement,
-)
+from tusqh.topology.persistence import locate_pairs
+from tusqh.topology.topology import Topology
 
 
 @dataclass(frozen=True)
 class Persistence:
     """The topology of the filtration, counted in two independent ways.
 
+    Each table is computed once, when it is first needed.
+
     Parameters
     ----------
-    curves
-        Raw Betti numbers of every plateau of the threshold, see
-        `tusqh.topology.curves.betti_curves`.
-    diagram
-        Persistence pairs with the places that create and destroy each class, see
-        `tusqh.topology.persistence.locate_pairs`.
-    diagonal
-        Number of pairs that live over no range of thresholds, by `dimension` and `birth`.
+    topology
+        The topology of the fractions.
+    grid
+        The background grid, which locates the pairs.
+    name
+        The model, for messages.
     """
 
-    curves: pd.DataFrame
-    diagram: pd.DataFrame
-    diagonal: pd.DataFrame
+    topology: Topology
+    grid: BackgroundGrid
+    name: str
+
+    @property
+    def curves(self) -> pd.DataFrame:
+        """Betti numbers of the filtration at every plateau of the threshold.
+
+        See `tusqh.topology.curves.tabulate_curves`.
+        """
+        return self.topology.curves
+
+    @cached_property
+    def diagram(self) -> pd.DataFrame:
+        """Persistence pairs with the places that create and destroy each class.
+
+        See `tusqh.topology.persistence.locate_pairs`.
+
+        Raises
+        ------
+        TopologyError
+            Pairs and curves differ, which is a fault of tusqh or gudhi, never of the geometry.
+        """
+        self.topology.require_agreement(name=self.name)
+        return locate_pairs(self.topology.pairs, self.grid)
+
+    @property
+    def diagonal(self) -> pd.DataFrame:
+        """Number of pairs that live over no range of thresholds, by `dimension` and `birth`."""
+        return self.topology.diagonal
 
 
 def find_persistence(fractions: VolumeFractions, *, name: str = "model") -> Persistence:
-    """Return Betti curves and persistence diagram of volume fractions.
+    """Return the Betti curves and the persistence diagram of volume fractions.
 
-    Raises
-    ------
-    TopologyError
-        Pairs and curves differ, which is a fault of tusqh or gudhi, never of the geometry.
+    Parameters
+    ----------
+    fractions
+        Volume fractions.
+    name
+        The model, for messages.
     """
-    curves = betti_curves(fractions.values)
-    pairs = persistence_pairs(fractions.values, diagonal=True)
-    is_on_diagonal = pairs["persistence"] == 0
-    diagonal = pairs[is_on_diagonal].groupby(["dimension", "birth"]).size()
-    pairs = pairs[~is_on_diagonal]
-    require_agreement(pairs, curves, paired_dimensions(fractions.values.shape), name=name)
-    diagram = locate_pairs(pairs, fractions.grid)
-    return Persistence(curves, diagram, diagonal.reset_index(name="pairs"))
+    return Persistence(Topology(fractions.multiples), fractions.grid, name)

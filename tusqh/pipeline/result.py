@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from tusqh.hashing import canonical_json
 from tusqh.meshes.formats import write_mesh
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.build import Built
+from tusqh.pipeline.ingest import describe_geometry
 from tusqh.pipeline.judge import Judgement
 from tusqh.pipeline.persistence import Persistence
 from tusqh.pipeline.select import Choice
@@ -23,7 +25,7 @@ from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.io import save_fractions
 from tusqh.settings.model import Settings
 from tusqh.tables import write_csv
-from tusqh.threshold.select import Selection
+from tusqh.threshold.selection import Selection
 from tusqh.topology.betti_numbers import BettiNumbers
 
 __all__ = ["Report", "Result"]
@@ -111,8 +113,6 @@ class Result:
     ----------
     geometry
         The outline, soup or image, as it is.
-    defects
-        What is dirty about it, one row per kind.
     fractions
         Volume fractions of cells and sub-cells.
     persistence
@@ -120,7 +120,7 @@ class Result:
     choice
         The threshold, the topology at every other one, and the candidates.
     built
-        The mesh, with cells, decisions, bridges and dropped features.
+        The mesh, with cells, decisions, bridges, and the features removed and filled.
     judgement
         Every check of the mesh.
     settings
@@ -128,7 +128,6 @@ class Result:
     """
 
     geometry: Geometry
-    defects: pd.DataFrame
     fractions: VolumeFractions
     persistence: Persistence
     choice: Choice
@@ -145,6 +144,11 @@ class Result:
     def mesh(self) -> VolumeMesh:
         """The mesh: `points`, `cells`, `to_pyvista()`, `to_meshio()`, `to_mfem()`."""
         return self.built.mesh
+
+    @cached_property
+    def defects(self) -> pd.DataFrame:
+        """The defects of the geometry, one row per kind."""
+        return describe_geometry(self.geometry)
 
     @property
     def diagram(self) -> pd.DataFrame:
@@ -210,6 +214,6 @@ class Result:
         }
         for name, table in tables.items():
             write_csv(path_of(name, folder), table)
-        write_text(path_of("selection", folder), canonical_json(asdict(self.selection)))
+        write_text(path_of("selection", folder), canonical_json(self.selection.to_dict()))
         written = ("fractions", "mesh", "certificate", "features", "bridges", "facts")
         self.built.write(**{name: path_of(name, folder) for name in written})

@@ -11,8 +11,10 @@ from tusqh.progress import Progress, log_progress
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.goal import Goal
 from tusqh.settings.policy import Policy
-from tusqh.threshold.plateaus import predict_plateaus
-from tusqh.threshold.select import Selection, choose_threshold
+from tusqh.threshold.choose import choose_threshold
+from tusqh.threshold.plateaus import Plateaus
+from tusqh.threshold.selection import Selection
+from tusqh.topology.topology import Topology
 
 
 @dataclass(frozen=True)
@@ -23,53 +25,51 @@ class Choice:
     ----------
     selection
         The threshold, why, and how robust the choice is.
-    topologies
-        The Betti numbers that meshes will have, by plateau of the threshold, see
-        `tusqh.threshold.plateaus.predict_plateaus`.
+    plateaus
+        The plateaus of the threshold.
     candidates
         The intervals that give what was asked for, ranked.
     """
 
     selection: Selection
-    topologies: pd.DataFrame
+    plateaus: Plateaus
     candidates: pd.DataFrame
 
+    @property
+    def topologies(self) -> pd.DataFrame:
+        """The Betti numbers that meshes will have, by plateau of the threshold.
 
-def predict(
+        See `tusqh.threshold.plateaus.Plateaus.table`; all plateaus are examined for it.
+        """
+        return self.plateaus.table
+
+
+def find_plateaus(
     fractions: VolumeFractions,
-    curves: pd.DataFrame,
+    topology: Topology | None = None,
     *,
     policy: Policy | None = None,
     progress: Progress = log_progress,
-) -> tuple[CellSets, pd.DataFrame]:
-    """Return the cells of every threshold and the topology that their meshes will have.
+) -> Plateaus:
+    """Return the plateaus of the threshold, whose topologies are predicted when needed.
 
     Parameters
     ----------
     fractions
         Volume fractions.
-    curves
-        Raw Betti numbers by plateau, of these fractions.
+    topology
+        Their topology, where it was made before.
     policy
         What to do about pinches and small features; None: the defaults.
     progress
-        Shows how many plateaus have been examined.
-
-    Returns
-    -------
-    cell_sets
-        The cells of every threshold.
-    topologies
-        Betti numbers of the mesh, by plateau of the threshold.
+        Shows how many plateaus were examined.
     """
-    cell_sets = CellSets(fractions, policy or Policy())
-    return cell_sets, predict_plateaus(cell_sets, curves, progress=progress("plateaus"))
+    return Plateaus(CellSets(fractions, policy, topology=topology), progress=progress)
 
 
 def select(
     fractions: VolumeFractions,
-    curves: pd.DataFrame,
-    diagram: pd.DataFrame,
+    topology: Topology | None = None,
     *,
     policy: Policy | None = None,
     goal: Goal | None = None,
@@ -82,8 +82,8 @@ def select(
     ----------
     fractions
         Volume fractions.
-    curves, diagram
-        Their topology, see `tusqh.pipeline.persistence`.
+    topology
+        Their topology, where it was made before.
     policy
         What to do about pinches and small features; None: the defaults.
     goal
@@ -91,15 +91,13 @@ def select(
     name
         The model, for messages.
     progress
-        Shows how many plateaus have been examined.
+        Shows how many plateaus were examined.
 
     Raises
     ------
     TopologyError
         Nothing gives what is wanted; the message lists what is reachable.
     """
-    cell_sets, topologies = predict(fractions, curves, policy=policy, progress=progress)
-    selection, candidates = choose_threshold(
-        cell_sets, topologies, pairs=diagram, goal=goal, name=name
-    )
-    return Choice(selection, topologies, candidates)
+    plateaus = find_plateaus(fractions, topology, policy=policy, progress=progress)
+    selection, candidates = choose_threshold(plateaus, goal, name=name)
+    return Choice(selection, plateaus, candidates)

@@ -7,7 +7,6 @@ import pandas as pd
 
 from tusqh.grid import BoolArray, FloatArray
 from tusqh.settings.goal import Range, Target
-from tusqh.topology.betti_numbers import BettiNumbers
 
 
 def matches(numbers: pd.DataFrame, target: Target) -> BoolArray:
@@ -52,16 +51,3 @@ def distances(numbers: pd.DataFrame, target: Target) -> FloatArray:
             options = np.atleast_1d(np.asarray(wanted, dtype=float))
             total += np.abs(values[:, None] - options).min(axis=1)
     return total
-
-
-def is_met(betti: BettiNumbers, target: Target) -> bool:
-    """Return whether Betti numbers are those that are wanted.
-
-    Parameters
-    ----------
-    betti
-        Betti numbers.
-    target
-        The wanted ones.
-    """
-    return bool(matches(pd.DataFrame([betti._asdict()]), target)[0])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -10,57 +10,114 @@ import pandas as pd
 
 from tusqh.antialias.cells import CellSets
 from tusqh.grid import FloatArray, IntArray
+from tusqh.progress import Progress
 
 BETTI = ["betti_0", "betti_1", "betti_2"]
 
+#: Columns of `Plateaus.table`.
+PREDICTED = ["upper", "lower", "width", "threshold", "cells", "clusters", "overruled", "bridges"]
+PREDICTED += ["removed", "filled", *BETTI, *(f"raw_{name}" for name in BETTI), "raw_agrees"]
+
 #: Fields of open outlines have tens of thousands of plateaus, nearly all too narrow to be a
-#: robust choice.  So many are looked at on a small grid, fewer where each one takes longer.
+#: robust choice.  This many are examined on a small grid, fewer where each one takes longer.
 MAX_PLATEAUS = 1000
 MIN_PLATEAUS = 100
-_CELLS_TO_LOOK_AT = 20_000_000
+_CELLS_TO_EXAMINE = 20_000_000
 
 
-def predict_plateaus(
-    cell_sets: CellSets,
-    raw: pd.DataFrame,
-    *,
-    progress: Callable[[int, int], None] | None = None,
-) -> pd.DataFrame:
-    """Return plateaus of the threshold with the Betti numbers that their meshes will have.
+class Plateaus:
+    """The plateaus of the threshold and the topology of their meshes, predicted when needed.
+
+    Of too many plateaus the widest half and an even spread of the others are examined.
 
     Parameters
     ----------
     cell_sets
         The cells of every threshold.
-    raw
-        Plateaus with raw Betti numbers, see `tusqh.topology.curves.betti_curves`.
     progress
-        Called with (plateaus done, plateaus in all).
+        Shows how many plateaus were examined when all are; nothing by default.
+    """
 
-    Returns
-    -------
-    predicted
+    def __init__(self, cell_sets: CellSets, *, progress: Progress | None = None) -> None:
+        self.cell_sets = cell_sets
+        self._progress = progress
+        levels = np.append(cell_sets.levels, 0.0)
+        if levels[0] < 1.0:
+            levels = np.append(1.0, levels)
+        examined = _choose(levels[:-1], levels[1:], cell_sets.fractions.grid.n_cells)
+        self.upper, self.lower = levels[:-1][examined], levels[1:][examined]
+        self._rows: dict[int, dict[str, float]] = {}
+
+    def __len__(self) -> int:
+        """Return the number of plateaus that are examined."""
+        return len(self.upper)
+
+    @cached_property
+    def table(self) -> pd.DataFrame:
+        """Every examined plateau with the Betti numbers that its mesh will have.
+
         One row per plateau, from high to low: every threshold ``t`` with ``lower < t <= upper``
         gives the same mesh; `width`; `threshold`, its middle; `cells` kept; `clusters` of
         pinches and how many were `overruled`; `bridges`, components `removed` and `filled`
         holes or voids; `betti_0`, `betti_1`, `betti_2` of the mesh and ``raw_betti_*`` of the
-        filtration; `raw_agrees`, whether these are the same.  Of too many plateaus the widest
-        half and an even spread of the others are looked at.
-    """
-    levels = np.append(cell_sets.levels, 0.0)
-    if levels[0] < 1.0:
-        levels = np.append(1.0, levels)
-    upper, lower = levels[:-1], levels[1:]
-    chosen = _choose(upper, lower, cell_sets.fractions.grid.n_cells)
-    upper, lower = upper[chosen], lower[chosen]
-    of_raw = _row_of(raw, upper)
-    rows = []
-    for done, threshold in enumerate((upper + lower) / 2, start=1):
-        cells = cell_sets.at(threshold)
-        n_removed = cells.n_removed
-        rows.append(
-            {
-                "threshold": threshold,
+        filtration; `raw_agrees`, whether these are the same.
+        """
+        report = self._progress("plateaus") if self._progress else None
+        for index in range(len(self)):
+            self._examine(index)
+            if report is not None:
+                report(index + 1, len(self))
+        predicted = self._tabulate(slice(0, len(self)))
+        # Plateaus go from high to low: the first whose lower end is below holds the threshold.
+        curves = self.cell_sets.topology.curves
+        of_raw = np.searchsorted(-curves["lower"].to_numpy(), -self.upper, side="right")
+        for name in BETTI:
+            predicted[f"raw_{name}"] = curves[name].to_numpy()[of_raw]
+        raw_numbers = predicted[[f"raw_{name}" for name in BETTI]].to_numpy()
+        predicted["raw_agrees"] = (raw_numbers == predicted[BETTI].to_numpy()).all(axis=1)
+        return predicted
+
+    def find_interval(self, threshold: float) -> pd.Series | None:
+        """Return the run of plateaus around a threshold whose meshes have the same Betti numbers.
+
+        Only the plateaus of the run and the two beside it are examined.
+
+        Parameters
+        ----------
+        threshold
+            Volume fraction in (0, 1].
+
+        Returns
+        -------
+        interval
+            A row of `merge_intervals`; None where the threshold lies on a plateau that keeps no
+            cell, or between examined plateaus with different Betti numbers.
+        """
+        last = int(np.searchsorted(-self.lower, -threshold, side="right"))
+        if last == len(self):
+            return None
+        # In a gap between examined plateaus, both neighbours must be of the run.
+        first = last if threshold <= self.upper[last] else last - 1
+        if first < 0 or self._kind(first) != self._kind(last) or self._kind(first)[0] == 0:
+            return None
+        while first > 0 and self._kind(first - 1) == self._kind(last):
+            first -= 1
+        while last + 1 < len(self) and self._kind(last + 1) == self._kind(first):
+            last += 1
+        return merge_intervals(self._tabulate(slice(first, last + 1))).iloc[0].copy()
+
+    def _kind(self, index: int) -> tuple[float, ...]:
+        """Return whether a plateau keeps cells, and its Betti numbers."""
+        row = self._examine(index)
+        return (row["cells"] > 0, *(row[name] for name in BETTI))
+
+    def _examine(self, index: int) -> dict[str, float]:
+        """Return what is predicted for one plateau."""
+        if index not in self._rows:
+            cells = self.cell_sets.at((self.upper[index] + self.lower[index]) / 2)
+            n_removed = cells.n_removed
+            self._rows[index] = {
+                "threshold": cells.threshold,
                 "cells": int(cells.kept.sum()),
                 "clusters": cells.decisions.n_clusters,
                 "overruled": cells.decisions.clusters_overruled,
@@ -69,16 +126,13 @@ def predict_plateaus(
                 "filled": cells.n_filled,
                 **cells.predicted._asdict(),
             }
-        )
-        if progress is not None:
-            progress(done, len(upper))
-    predicted = pd.DataFrame({"upper": upper, "lower": lower, "width": upper - lower})
-    predicted = pd.concat([predicted, pd.DataFrame(rows)], axis=1)
-    for name in BETTI:
-        predicted[f"raw_{name}"] = raw[name].to_numpy()[of_raw]
-    raw_numbers = predicted[[f"raw_{name}" for name in BETTI]].to_numpy()
-    predicted["raw_agrees"] = (raw_numbers == predicted[BETTI].to_numpy()).all(axis=1)
-    return predicted
+        return self._rows[index]
+
+    def _tabulate(self, part: slice) -> pd.DataFrame:
+        upper, lower = self.upper[part], self.lower[part]
+        extent = pd.DataFrame({"upper": upper, "lower": lower, "width": upper - lower})
+        rows = pd.DataFrame([self._examine(index) for index in range(part.start, part.stop)])
+        return pd.concat([extent, rows], axis=1)
 
 
 def merge_intervals(predicted: pd.DataFrame, is_wanted: pd.Series | None = None) -> pd.DataFrame:
@@ -87,7 +141,7 @@ def merge_intervals(predicted: pd.DataFrame, is_wanted: pd.Series | None = None)
     Parameters
     ----------
     predicted
-        See `predict_plateaus`.
+        See `Plateaus.table`.
     is_wanted
         Plateaus to use, all of those that keep a cell by default; others end a run.
 
@@ -138,7 +192,13 @@ def merge_intervals(predicted: pd.DataFrame, is_wanted: pd.Series | None = None)
 
 
 def list_reachable(predicted: pd.DataFrame) -> str:
-    """Return the reachable Betti numbers as lines of text, one per interval, from high to low."""
+    """Return the reachable Betti numbers as lines of text, one per interval, from high to low.
+
+    Parameters
+    ----------
+    predicted
+        See `Plateaus.table`.
+    """
     return "\n".join(
         f"    {row.lower:.4f} < t <= {row.upper:.4f}: betti_0 = {row.betti_0}, "
         f"betti_1 = {row.betti_1}, betti_2 = {row.betti_2}"
@@ -147,8 +207,8 @@ def list_reachable(predicted: pd.DataFrame) -> str:
 
 
 def _choose(upper: FloatArray, lower: FloatArray, n_cells: int) -> IntArray:
-    """Return the plateaus to look at: all, or the widest half and an even spread."""
-    limit = int(np.clip(_CELLS_TO_LOOK_AT // n_cells, MIN_PLATEAUS, MAX_PLATEAUS))
+    """Return the plateaus to examine: all, or the widest half and an even spread."""
+    limit = int(np.clip(_CELLS_TO_EXAMINE // n_cells, MIN_PLATEAUS, MAX_PLATEAUS))
     if len(upper) <= limit:
         return np.arange(len(upper), dtype=np.int64)
     widest = np.argsort(lower - upper, kind="stable")[: limit // 2]
@@ -156,8 +216,3 @@ def _choose(upper: FloatArray, lower: FloatArray, n_cells: int) -> IntArray:
     # Plateaus go from high to low: the first whose lower end is below the threshold holds it.
     spread = np.searchsorted(-lower, -thresholds, side="right")
     return np.unique(np.concatenate([widest, spread])).astype(np.int64)
-
-
-def _row_of(raw: pd.DataFrame, thresholds: FloatArray) -> IntArray:
-    """Return the raw plateau that holds each threshold."""
-    return np.searchsorted(-raw["lower"].to_numpy(), -thresholds, side="right").astype(np.int64)

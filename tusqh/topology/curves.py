@@ -13,47 +13,36 @@ import pandas as pd
 
 from tusqh.grid import FloatArray, IntArray
 from tusqh.sampling.doubled_grid import RESOLUTION, Multiples
-from tusqh.topology.clamping import FULL, clamp_multiples, complement
+from tusqh.topology.clamping import FULL, MARGIN
 from tusqh.topology.euler_count import count_euler
-from tusqh.topology.union_find import merge_components
+from tusqh.topology.union_find import Merges
 
 
-def betti_curves(values: FloatArray) -> pd.DataFrame:
+def tabulate_curves(nodes: Multiples, kept: Merges, empty: Merges) -> pd.DataFrame:
     """Return the Betti numbers between all distinct fractions.
 
     Parameters
     ----------
-    values
-        Fractions on the doubled grid, shape ``2 n + 1``, multiples of `RESOLUTION`.
+    nodes
+        Multiples of all nodes, see `tusqh.topology.clamping.clamp_multiples`.
+    kept, empty
+        Merges of the nodes and of their complement, see `tusqh.topology.union_find`.
 
     Returns
     -------
-    plateaus
+    curves
         One row per plateau, from high to low thresholds: every threshold ``t`` with
         ``lower < t <= upper`` gives the same complex; `width`; `betti_0`, `betti_1`, `betti_2`
         of that complex (raw: every pinch follows its own sub-cell fraction); `euler`, its Euler
         characteristic.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> fractions = np.zeros((5, 3))
-    >>> fractions[1, 1], fractions[3, 1] = 0.75, 0.25
-    >>> betti_curves(fractions).iloc[:, :4].values
-    array([[1.  , 0.75, 0.25, 0.  ],
-           [0.75, 0.25, 0.5 , 1.  ],
-           [0.25, 0.  , 0.25, 1.  ]])
     """
-    keys = clamp_multiples(_to_multiples(values))
-    levels = _levels(keys)
+    levels = _levels(nodes)
     upper, lower = levels[:-1], levels[1:]
-    euler = np.cumsum(count_euler(keys)[::-1])[::-1][upper]
-    born, died, _, _ = merge_components(keys)
-    components = _count_at_least(born, upper) - _count_at_least(died, upper)
-    born, died, _, _ = merge_components(complement(keys))
-    outside = FULL + 2 - upper  # The lowest complement key of a node that is out.
-    enclosed = _count_at_least(born, outside) - _count_at_least(died, outside) - 1
-    if values.ndim == 2:
+    euler = np.cumsum(count_euler(nodes)[::-1])[::-1][upper]
+    components = _count_at_least(kept.birth, upper) - _count_at_least(kept.death, upper)
+    outside = FULL + 2 - upper  # The lowest complement multiple of a node that is out.
+    enclosed = _count_at_least(empty.birth, outside) - _count_at_least(empty.death, outside) - 1
+    if nodes.ndim == 2:
         betti = [components, enclosed, np.zeros_like(components)]
     else:
         betti = [components, components + enclosed - euler, enclosed]
@@ -68,56 +57,55 @@ def betti_curves(values: FloatArray) -> pd.DataFrame:
     )
 
 
-def outer_pairs(values: FloatArray) -> pd.DataFrame:
+def outer_pairs(nodes: Multiples, kept: Merges, empty: Merges) -> pd.DataFrame:
     """Return the persistence pairs of the lowest and the highest dimension, from union-find.
 
-    The table is that of `tusqh.topology.persistence.persistence_pairs` without its rows of
-    dimension 1 in 3D; `birth_place` and `death_place` are flat indices into the doubled grid of
-    shape ``2 n + 1``, -1 where nothing destroys the class.
+    Parameters
+    ----------
+    nodes, kept, empty
+        See `tabulate_curves`.
 
-    Examples
-    --------
-    Two cells that only their vertex joins: the younger component dies when it enters.
-
-    >>> import numpy as np
-    >>> fractions = np.zeros((5, 5))
-    >>> fractions[1, 1], fractions[3, 3], fractions[2, 2] = 1.0, 0.75, 0.5
-    >>> outer_pairs(fractions)[["dimension", "birth", "death", "death_place"]].values
-    array([[ 0.  ,  1.  ,  0.  , -1.  ],
-           [ 0.  ,  0.75,  0.5 , 12.  ]])
+    Returns
+    -------
+    pairs
+        See `tusqh.topology.topology.Topology.pairs`; in 3D those of dimension 1 are missing.
     """
-    keys = clamp_multiples(_to_multiples(values))
-    born, died, born_at, died_at = merge_components(keys)
-    tables = [_to_table(0, born, died, born_at, died_at)]
-    born, died, born_at, died_at = merge_components(complement(keys))
-    is_enclosed = died > 0  # What never merges in the complement is the outside.
-    tables.append(
+    is_enclosed = empty.death > 0  # A component that never merges in the complement is outside.
+    tables = [
+        _to_table(0, kept),
         _to_table(
-            values.ndim - 1,
+            nodes.ndim - 1,
             # A class exists from the key at which its void is cut off until it is filled.
-            FULL + 1 - died[is_enclosed],
-            FULL + 1 - born[is_enclosed],
-            died_at[is_enclosed],
-            born_at[is_enclosed],
-        )
-    )
+            Merges(
+                birth=FULL + 1 - empty.death[is_enclosed],
+                death=FULL + 1 - empty.birth[is_enclosed],
+                birth_place=empty.death_place[is_enclosed],
+                death_place=empty.birth_place[is_enclosed],
+            ),
+        ),
+    ]
     pairs = pd.concat(tables, ignore_index=True)
+    shape = tuple(n - 2 * MARGIN for n in nodes.shape)
     for event in ("birth", "death"):
-        place = np.array(np.unravel_index(np.maximum(pairs[f"{event}_place"], 0), keys.shape)) - 2
-        inner = np.ravel_multi_index(tuple(np.maximum(place, 0)), values.shape)
+        place = (
+            np.array(np.unravel_index(np.maximum(pairs[f"{event}_place"], 0), nodes.shape)) - MARGIN
+        )
+        inner = np.ravel_multi_index(tuple(np.maximum(place, 0)), shape)
         pairs[f"{event}_place"] = np.where(pairs[f"{event}_place"] < 0, -1, inner)
     pairs.loc[pairs["essential"], "death_place"] = -1
     order = ["dimension", "persistence", "birth", "birth_place"]
     return pairs.sort_values(order, ascending=[True, False, False, True]).reset_index(drop=True)
 
 
-def persistence_by_cell(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+def persistence_by_cell(
+    nodes: Multiples, kept: Merges, empty: Merges
+) -> tuple[FloatArray, FloatArray]:
     """Return how long the classes live that each cell creates, and those that each destroys.
 
     Parameters
     ----------
-    values
-        Fractions on the doubled grid, shape ``2 n + 1``.
+    nodes, kept, empty
+        See `tabulate_curves`.
 
     Returns
     -------
@@ -128,58 +116,49 @@ def persistence_by_cell(values: FloatArray) -> tuple[FloatArray, FloatArray]:
 
     Examples
     --------
-    >>> import numpy as np
+    >>> from tusqh.topology.topology import Topology
     >>> fractions = np.zeros((7, 7))
     >>> fractions[1:-1, 1:-1] = 1.0
     >>> fractions[3, 3] = fractions[2:5, 2:5][1, 1] = 0.25      # a ring around one cell
-    >>> components, holes = persistence_by_cell(fractions)
+    >>> components, holes = Topology.from_fractions(fractions).persistence_by_cell
     >>> float(components.max()), float(holes[1, 1])
     (1.0, 0.75)
     """
-    keys = clamp_multiples(_to_multiples(values))
-    shape = tuple(n // 2 for n in values.shape)
+    shape = tuple((n - 2 * MARGIN) // 2 for n in nodes.shape)
     found = []
-    for of_nodes in (keys, complement(keys)):
-        born, died, born_at, _ = merge_components(of_nodes)
-        places = np.stack(np.unravel_index(born_at, keys.shape)) // 2 - 1
+    # The complement's multiples are above 0 by one, so that the empty outside never merges.
+    for merges, never in ((kept, 0), (empty, 1)):
+        places = np.stack(np.unravel_index(merges.birth_place, nodes.shape)) // 2 - MARGIN // 2
         is_inside = ((places >= 0) & (places < np.array(shape)[:, None])).all(axis=0)
         lives = np.zeros(shape)
-        # The complement's keys are above 0 by one, so that the empty outside never merges.
-        never = 0 if of_nodes is keys else 1
-        lives[tuple(places[:, is_inside])] = (born - np.maximum(died, never))[is_inside]
+        lived = merges.birth - np.maximum(merges.death, never)
+        lives[tuple(places[:, is_inside])] = lived[is_inside]
         found.append(lives * RESOLUTION)
     return found[0], found[1]
 
 
-def _to_table(
-    dimension: int, born: IntArray, died: IntArray, born_at: IntArray, died_at: IntArray
-) -> pd.DataFrame:
+def _to_table(dimension: int, merges: Merges) -> pd.DataFrame:
     return pd.DataFrame(
         {
             "dimension": dimension,
-            "birth": born * RESOLUTION,
-            "death": died * RESOLUTION,
-            "persistence": (born - died) * RESOLUTION,
-            "essential": died == 0,
-            "birth_place": born_at,
-            "death_place": died_at,
+            "birth": merges.birth * RESOLUTION,
+            "death": merges.death * RESOLUTION,
+            "persistence": (merges.birth - merges.death) * RESOLUTION,
+            "essential": merges.death == 0,
+            "birth_place": merges.birth_place,
+            "death_place": merges.death_place,
         }
     )
 
 
-def _to_multiples(values: FloatArray) -> Multiples:
-    """Return fractions as multiples of `RESOLUTION`."""
-    return np.rint(np.asarray(values) / RESOLUTION).astype(np.int32)
-
-
-def _levels(keys: Multiples) -> IntArray:
-    """Return the distinct keys of all nodes, with 0 and FULL, from high to low."""
+def _levels(nodes: Multiples) -> IntArray:
+    """Return the distinct multiples of all nodes, with 0 and FULL, from high to low."""
     is_there = np.zeros(FULL + 1, dtype=bool)
     is_there[[0, FULL]] = True
-    for index, layer in enumerate(keys):
+    for index, layer in enumerate(nodes):
         # Nodes are all places but edges in 2D and faces in 3D: those with dim - 1 odd indices.
         n_odd = index % 2 + np.indices(layer.shape).__mod__(2).sum(axis=0)
-        is_there[layer[n_odd != keys.ndim - 1]] = True
+        is_there[layer[n_odd != nodes.ndim - 1]] = True
     return np.flatnonzero(is_there)[::-1].astype(np.int64)
 
 

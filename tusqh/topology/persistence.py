@@ -13,8 +13,8 @@ import pandas as pd
 
 from tusqh.errors import TopologyError
 from tusqh.grid import BackgroundGrid, FloatArray, IntArray
+from tusqh.sampling.doubled_grid import RESOLUTION, Multiples
 from tusqh.topology.betti_numbers import BettiNumbers
-from tusqh.topology.curves import outer_pairs
 from tusqh.topology.filtration import Filtration, build_filtration
 
 #: Largest 3D grid whose holes are paired; 64^3 cells take about 40 s and 2.6 GB.
@@ -26,52 +26,8 @@ PLACES = {2: ("vertex", "edge", "cell"), 3: ("vertex", "edge", "face", "cell")}
 _PAIR_ORDER = ["dimension", "persistence", "birth", "birth_place"]
 
 
-def persistence_pairs(
-    values: FloatArray, *, n_cells: int = DIAGRAM_CELLS, diagonal: bool = False
-) -> pd.DataFrame:
-    """Return the pairs that live over a range of thresholds, and the classes that never die.
-
-    Parameters
-    ----------
-    values
-        Fractions on the doubled grid, shape ``2 n + 1``, multiples of
-        `tusqh.sampling.doubled_grid.RESOLUTION`; below 0 and above 1 they count as 0 and 1.
-    n_cells
-        A 3D grid of more cells gets no pairs of dimension 1 (the curves still count them).
-    diagonal
-        Also return gudhi's pairs on the diagonal, born and dead at one fraction.
-
-    Returns
-    -------
-    pairs
-        One row per pair, sorted: `dimension`; `birth` and `death`, the fractions at which the
-        class appears and disappears as the threshold falls (death is 0 for classes that are
-        still there at every threshold above 0, and `essential` is then True); `persistence` =
-        birth - death; `birth_place` and `death_place`, the flat index into the doubled grid of
-        the cell, edge or vertex that creates and destroys the class (-1 where nothing does).
-
-    Examples
-    --------
-    Two cells that only their vertex joins: the younger component dies when it enters.
-
-    >>> import numpy as np
-    >>> fractions = np.zeros((5, 5))
-    >>> fractions[1, 1], fractions[3, 3], fractions[2, 2] = 1.0, 0.75, 0.5
-    >>> persistence_pairs(fractions)[["dimension", "birth", "death", "death_place"]].values
-    array([[ 0.  ,  1.  ,  0.  , -1.  ],
-           [ 0.  ,  0.75,  0.5 , 12.  ]])
-    """
-    if values.ndim == 2:
-        return _pair_by_gudhi(values, diagonal=diagonal)
-    outer = outer_pairs(values)
-    if 1 not in paired_dimensions(values.shape, n_cells=n_cells):
-        return outer
-    both = pd.concat([_pair_by_gudhi(values, diagonal=diagonal), outer[outer["dimension"] == 2]])
-    return both.reset_index(drop=True)
-
-
 def paired_dimensions(shape: tuple[int, ...], *, n_cells: int = DIAGRAM_CELLS) -> tuple[int, ...]:
-    """Return the dimensions that `persistence_pairs` pairs, for a doubled grid of a shape."""
+    """Return the dimensions whose pairs are found, for a doubled grid of a shape."""
     if len(shape) == 2:
         return (0, 1)
     return (0, 1, 2) if math.prod(n // 2 for n in shape) <= n_cells else (0, 2)
@@ -123,28 +79,33 @@ def count_alive(pairs: pd.DataFrame, thresholds: FloatArray) -> IntArray:
 
 
 def require_agreement(
-    pairs: pd.DataFrame, plateaus: pd.DataFrame, dimensions: tuple[int, ...], *, name: str
+    pairs: pd.DataFrame, curves: pd.DataFrame, dimensions: tuple[int, ...], *, name: str
 ) -> None:
-    """Raise a `TopologyError` when pairs and curves, two independent counts, ever differ.
+    """Raise a `TopologyError` when pairs and curves, two independent counts, differ at a threshold.
 
     Parameters
     ----------
     pairs
-        See `persistence_pairs`.
-    plateaus
-        See `tusqh.topology.curves.betti_curves`.
+        See `tusqh.topology.topology.Topology.pairs`.
+    curves
+        See `tusqh.topology.topology.Topology.curves`.
     dimensions
         Those to compare, see `paired_dimensions`.
     name
         The model, for the message.
+
+    Raises
+    ------
+    TopologyError
+        They differ, which is a fault of tusqh or gudhi.
     """
-    by_pairs = count_alive(pairs, plateaus["upper"].to_numpy())[:, dimensions]
-    by_curves = plateaus[[f"betti_{k}" for k in dimensions]].to_numpy()
+    by_pairs = count_alive(pairs, curves["upper"].to_numpy())[:, dimensions]
+    by_curves = curves[[f"betti_{k}" for k in dimensions]].to_numpy()
     differs = (by_pairs != by_curves).any(axis=1)
     if differs.any():
         row = int(np.flatnonzero(differs)[0])
         raise TopologyError(
-            f"at threshold {plateaus['upper'].iloc[row]} persistence pairs give Betti numbers "
+            f"at threshold {curves['upper'].iloc[row]} persistence pairs give Betti numbers "
             f"{by_pairs[row].tolist()}, union-find and counting {by_curves[row].tolist()}",
             where=name,
             expected="the same numbers",
@@ -152,17 +113,38 @@ def require_agreement(
         )
 
 
-def betti_at(plateaus: pd.DataFrame, threshold: float) -> BettiNumbers:
-    """Return the raw Betti numbers of the plateau that holds a threshold in (0, 1]."""
-    row = plateaus[(plateaus["lower"] < threshold) & (threshold <= plateaus["upper"])].iloc[0]
+def betti_at(curves: pd.DataFrame, threshold: float) -> BettiNumbers:
+    """Return the Betti numbers of the plateau that holds a threshold in (0, 1].
+
+    Parameters
+    ----------
+    curves
+        See `tusqh.topology.topology.Topology.curves`.
+    threshold
+        Volume fraction, dimensionless.
+    """
+    row = curves[(curves["lower"] < threshold) & (threshold <= curves["upper"])].iloc[0]
     return BettiNumbers(int(row["betti_0"]), int(row["betti_1"]), int(row["betti_2"]))
 
 
-def _pair_by_gudhi(values: FloatArray, *, diagonal: bool) -> pd.DataFrame:
-    """Return the pairs of dimension 0 and 1, for which triangles are enough."""
+def pair_by_gudhi(multiples: Multiples) -> pd.DataFrame:
+    """Return the pairs of dimension 0 and 1, those born and dead at one fraction included.
+
+    Triangles are enough for them, so no tetrahedron is stored.
+
+    Parameters
+    ----------
+    multiples
+        Fractions on the doubled grid as multiples of `RESOLUTION`, shape ``2 n + 1``.
+
+    Returns
+    -------
+    pairs
+        See `tusqh.topology.topology.Topology.pairs`.
+    """
     import gudhi
 
-    filtration = build_filtration(np.clip(values, 0.0, 1.0))
+    filtration = build_filtration(np.clip(multiples * RESOLUTION, 0.0, 1.0))
     tree = gudhi.SimplexTree()
     for k, simplices in enumerate(filtration.simplices[:3]):
         if len(simplices):
@@ -171,7 +153,7 @@ def _pair_by_gudhi(values: FloatArray, *, diagonal: bool) -> pd.DataFrame:
     is_flat = len(filtration.simplices[2]) == 0
     tree.compute_persistence(
         homology_coeff_field=2,
-        min_persistence=-1.0 if diagonal else 0.0,
+        min_persistence=-1.0,
         persistence_dim_max=is_flat,
     )
     finite, essential = tree.lower_star_persistence_generators()
@@ -181,13 +163,9 @@ def _pair_by_gudhi(values: FloatArray, *, diagonal: bool) -> pd.DataFrame:
         alone = essential[dimension] if dimension < len(essential) else np.empty(0, dtype=np.int64)
         born = np.concatenate([nodes[:, 0], alone]).astype(np.int64)
         died = np.concatenate([nodes[:, 1], np.full(len(alone), -1)]).astype(np.int64)
-        tables.append(_to_table(dimension, born, died, filtration, values.shape))
-    pairs = pd.concat(tables)
-    if not diagonal:
-        pairs = pairs[pairs["persistence"] > 0]
-    return pairs.sort_values(_PAIR_ORDER, ascending=[True, False, False, True]).reset_index(
-        drop=True
-    )
+        tables.append(_to_table(dimension, born, died, filtration, multiples.shape))
+    pairs = pd.concat(tables).sort_values(_PAIR_ORDER, ascending=[True, False, False, True])
+    return pairs.reset_index(drop=True)
 
 
 def _to_table(

@@ -1,4 +1,3 @@
-import json
 from pathlib import Path
 
 from provenance.record import recorded
@@ -7,12 +6,10 @@ from tusqh.figures import style
 from tusqh.figures.thresholds import draw_thresholds
 from tusqh.geometry.canonical import load_geometry
 from tusqh.sampling.io import load_fractions
-from tusqh.settings.policy import Policy
-from tusqh.threshold.select import Selection
+from tusqh.threshold.selection import load_selection
 
 with recorded(snakemake) as log:
-    selection = Selection.from_dict(json.loads(Path(snakemake.input.selection).read_text()))
-    policy = Policy.from_dict(selection.policy)
+    policy = load_selection(Path(snakemake.input.selection)).policy
     figure = draw_thresholds(
         CellSets(load_fractions(Path(snakemake.input.fractions)), policy),
         load_geometry(Path(snakemake.input.geometry)),

@@ -1,4 +1,3 @@
-import json
 from pathlib import Path
 
 import pandas as pd
@@ -11,7 +10,7 @@ from tusqh.settings.grid import Grid, Window
 from tusqh.settings.model import Settings
 from tusqh.settings.sampling import Sampling
 from tusqh.tables import write_csv
-from tusqh.threshold.select import Selection
+from tusqh.threshold.selection import load_selection
 
 with recorded(snakemake) as log:
     window = snakemake.params.window
@@ -19,7 +18,7 @@ with recorded(snakemake) as log:
         snakemake.wildcards.peer,
         load_geometry(Path(snakemake.input.geometry)),
         load_fractions(Path(snakemake.input.fractions)),
-        Selection.from_dict(json.loads(Path(snakemake.input.selection).read_text())),
+        load_selection(Path(snakemake.input.selection)),
         settings=Settings(
             grid=Grid.from_dict(snakemake.params.grid),
             sampling=Sampling.from_dict(snakemake.params.sampling),

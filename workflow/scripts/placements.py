@@ -1,4 +1,3 @@
-import json
 from pathlib import Path
 
 from provenance.record import recorded
@@ -9,19 +8,19 @@ from tusqh.geometry.canonical import load_geometry
 from tusqh.progress import log_progress
 from tusqh.settings.goal import Goal
 from tusqh.settings.grid import Window
-from tusqh.settings.policy import Policy
 from tusqh.settings.sampling import Sampling
 from tusqh.tables import write_csv
+from tusqh.threshold.selection import load_selection
 
 with recorded(snakemake) as log:
-    selection = json.loads(Path(snakemake.input.selection).read_text())
+    selection = load_selection(Path(snakemake.input.selection))
     target = Goal.from_dict(snakemake.params.goal).target
     window = snakemake.params.window
     name = snakemake.wildcards.model
     table = vary_placement(
         load_geometry(Path(snakemake.input.geometry)),
-        Policy.from_dict(selection["policy"]),
-        sorted({*STUDY_THRESHOLDS, selection["threshold"]}),
+        selection.policy,
+        sorted({*STUDY_THRESHOLDS, selection.threshold}),
         snakemake.params.cells,
         count=snakemake.params.placements,
         progress=log_progress("placements"),

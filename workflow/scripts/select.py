@@ -1,4 +1,3 @@
-from dataclasses import asdict
 from pathlib import Path
 
 import pandas as pd
@@ -11,12 +10,14 @@ from tusqh.sampling.io import load_fractions
 from tusqh.settings.goal import Goal
 from tusqh.settings.policy import Policy
 from tusqh.tables import write_csv
+from tusqh.topology.topology import Topology
 
 with recorded(snakemake) as log:
+    fractions = load_fractions(Path(snakemake.input.fractions))
+    curves, pairs = pd.read_csv(snakemake.input.curves), pd.read_csv(snakemake.input.diagram)
     choice = select(
-        load_fractions(Path(snakemake.input.fractions)),
-        pd.read_csv(snakemake.input.curves),
-        pd.read_csv(snakemake.input.diagram),
+        fractions,
+        Topology.from_tables(fractions.multiples, curves, pairs),
         policy=Policy.from_dict(snakemake.params.policy),
         goal=Goal.from_dict(snakemake.params.goal),
         name=snakemake.wildcards.model,
@@ -36,4 +37,4 @@ with recorded(snakemake) as log:
         )
     write_csv(Path(snakemake.output.topologies), topologies)
     write_csv(Path(snakemake.output.candidates), choice.candidates)
-    write_text(Path(snakemake.output.selection), canonical_json(asdict(selection)))
+    write_text(Path(snakemake.output.selection), canonical_json(selection.to_dict()))

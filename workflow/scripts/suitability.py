@@ -1,19 +1,17 @@
-import json
 from pathlib import Path
 
 from provenance.record import recorded
 from studies.suitability import OWN_THRESHOLD, compare_suitability
 from tusqh.antialias.cells import CellSets
 from tusqh.sampling.io import load_fractions
-from tusqh.settings.policy import Policy
 from tusqh.tables import write_csv
-from tusqh.threshold.select import Selection
+from tusqh.threshold.selection import load_selection
 
 with recorded(snakemake) as log:
-    selection = Selection.from_dict(json.loads(Path(snakemake.input.selection).read_text()))
+    selection = load_selection(Path(snakemake.input.selection))
     fractions = load_fractions(Path(snakemake.input.fractions))
     table = compare_suitability(
-        CellSets(fractions, Policy.from_dict(selection.policy)),
+        CellSets(fractions, selection.policy),
         {OWN_THRESHOLD: selection.threshold, "one half": 0.5},
         selection.predicted,
         name=snakemake.wildcards.model,

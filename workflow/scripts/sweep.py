@@ -1,4 +1,3 @@
-import json
 from pathlib import Path
 
 import pandas as pd
@@ -9,14 +8,12 @@ from tusqh.antialias.resolve import build_mesh
 from tusqh.meshes.export import write_vtu
 from tusqh.quality.verification import verify_mesh
 from tusqh.sampling.io import load_fractions
-from tusqh.settings.policy import Policy
 from tusqh.tables import write_csv
-from tusqh.threshold.select import Selection
+from tusqh.threshold.selection import load_selection
 
 with recorded(snakemake) as log:
     fractions = load_fractions(Path(snakemake.input.fractions))
-    selection = Selection.from_dict(json.loads(Path(snakemake.input.selection).read_text()))
-    cell_sets = CellSets(fractions, Policy.from_dict(selection.policy))
+    cell_sets = CellSets(fractions, load_selection(Path(snakemake.input.selection)).policy)
     rows = []
     for path, threshold in zip(snakemake.output.meshes, snakemake.params.thresholds, strict=True):
         cells = cell_sets.at(threshold)

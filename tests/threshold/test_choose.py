@@ -1,3 +1,5 @@
+import json
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -7,31 +9,27 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
 from tusqh.errors import TopologyError
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
+from tusqh.meshes.measure import Measurement
 from tusqh.settings.goal import Goal, Range, Target
 from tusqh.settings.policy import Criteria, Policy
-from tusqh.threshold import plateaus, select
+from tusqh.threshold import plateaus
+from tusqh.threshold.choose import choose_threshold
 from tusqh.threshold.goals import distances
-from tusqh.threshold.plateaus import merge_intervals, predict_plateaus
-from tusqh.threshold.select import Selection, choose_threshold
-from tusqh.topology.curves import betti_curves
-from tusqh.topology.persistence import persistence_pairs
+from tusqh.threshold.plateaus import Plateaus, merge_intervals
+from tusqh.threshold.selection import Selection
 
 CELLS = np.array([[1, 1, 1], [0.5, 0.25, 1], [1, 1, 1]])
 
 
 def choose(fractions, policy=None, **wanted):
-    cell_sets = CellSets(fractions, policy)
-    predicted = predict_plateaus(cell_sets, betti_curves(fractions.values))
-    pairs = persistence_pairs(fractions.values)
     if "target" in wanted:
         wanted["target"] = Target.from_dict(wanted["target"])
-    goal = Goal(**wanted)
-    return choose_threshold(cell_sets, predicted, pairs=pairs, goal=goal, name="ring")
+    return choose_threshold(Plateaus(CellSets(fractions, policy)), Goal(**wanted), name="ring")
 
 
 def mesh_of(fractions, chosen):
     """The mesh as the workflow makes it: from the threshold and policy of the selection."""
-    cells = CellSets(fractions, Policy.from_dict(chosen.policy)).at(chosen.threshold)
+    cells = CellSets(fractions, chosen.policy).at(chosen.threshold)
     assert cells.predicted == chosen.predicted
     return build_mesh(cells, fractions.grid).mesh
 
@@ -91,20 +89,22 @@ def test_a_measurement_that_disagrees_sends_the_loop_to_the_next_candidate(monke
     fractions = make_fractions(cells)
     first, ranked = choose(fractions, target={"betti_0": 1})
     assert ranked["status"].tolist() == ["chosen", "not tried"]
-    real = select.betti_by_boundary
+    real = Measurement.has_topology
     seen = []
 
-    def disagree_once(mesh):
-        seen.append(real(mesh))
-        return seen[-1] if len(seen) > 1 else (9, 9, 9)
+    def disagree_once(measured, predicted):
+        seen.append(predicted)
+        return len(seen) > 1 and real(measured, predicted)
 
-    monkeypatch.setattr(select, "betti_by_boundary", disagree_once)
+    monkeypatch.setattr(Measurement, "has_topology", disagree_once)
     second, ranked = choose(fractions, target={"betti_0": 1})
     assert ranked["status"].tolist() == ["measurement disagrees", "chosen"]
     assert second.threshold == ranked["threshold"][1] != first.threshold
-    monkeypatch.setattr(select, "betti_by_boundary", lambda mesh: (9, 9, 9))
+    monkeypatch.setattr(Measurement, "has_topology", lambda measured, predicted: False)
     with pytest.raises(TopologyError, match="no threshold gives"):
         choose(fractions, target={"betti_0": 1})
+    with pytest.raises(TopologyError, match="no mesh near the wanted volume"):
+        choose(fractions, volume="match")
 
 
 def test_every_reachable_topology_gives_a_mesh_that_has_it():
@@ -117,10 +117,11 @@ def test_every_reachable_topology_gives_a_mesh_that_has_it():
             components=Criteria(min_cells=int(rng.integers(1, 4))),
         )
         cell_sets = CellSets(fractions, policy)
-        predicted = predict_plateaus(cell_sets, betti_curves(fractions.values))
+        of_field = Plateaus(cell_sets)
+        predicted = of_field.table
         reachable = predicted[predicted["cells"] > 0][["betti_0", "betti_1"]].drop_duplicates()
         for target in reachable.to_dict("records"):
-            chosen, _ = choose_threshold(cell_sets, predicted, goal=Goal(target=Target(**target)))
+            chosen, _ = choose_threshold(of_field, Goal(target=Target(**target)))
             mesh = mesh_of(fractions, chosen)
             assert betti_by_euler(mesh)._asdict() == {**target, "betti_2": 0}
             n_meshes += 1
@@ -131,7 +132,7 @@ def test_every_threshold_of_an_interval_has_its_topology():
     for seed in range(20):
         fractions = random_fractions(np.random.default_rng(seed), (6, 7), n_levels=9)
         cell_sets = CellSets(fractions)
-        intervals = merge_intervals(predict_plateaus(cell_sets, betti_curves(fractions.values)))
+        intervals = merge_intervals(Plateaus(cell_sets).table)
         for row in intervals.itertuples():
             assert row.unexamined == 0
             for t in np.linspace(row.upper, row.lower, 6)[:-1]:
@@ -144,7 +145,7 @@ def test_of_too_many_plateaus_some_are_looked_at_and_the_rest_is_reported(monkey
     rng = np.random.default_rng(3)
     fractions = make_fractions(rng.random((6, 6)), rng.random((7, 7)))
     cell_sets = CellSets(fractions)
-    predicted = predict_plateaus(cell_sets, betti_curves(fractions.values))
+    predicted = Plateaus(cell_sets).table
     assert 5 <= len(predicted) <= 10 < len(cell_sets.levels)
     assert (np.diff(predicted["threshold"]) < 0).all()
     intervals = merge_intervals(predicted)
@@ -166,7 +167,7 @@ PLATE[3, 9] = 0.5
 def test_persistence_takes_a_threshold_where_one_does_it():
     chosen, _ = choose(make_fractions(PLATE), persistence=0.4)
     assert chosen.predicted in [(1, 1, 0), (2, 1, 0), (1, 0, 0), (2, 0, 0)]
-    assert chosen.policy["components"]["min_persistence"] == 0
+    assert chosen.policy.components.min_persistence == 0
     chosen, candidates = choose(make_fractions(PLATE), persistence=0.6)
     assert "nothing shorter-lived" in chosen.reason
     assert 0.5 < chosen.threshold <= 0.75  # Below the shallow hole, above the speck.
@@ -183,7 +184,7 @@ def test_persistence_removes_and_fills_exactly_the_short_lived_where_no_threshol
     chosen, _ = choose(fractions, persistence=0.65)
     assert "no threshold does it alone" in chosen.reason
     assert chosen.predicted == (1, 1, 0)
-    settings = Policy.from_dict(chosen.policy)
+    settings = chosen.policy
     assert settings.components.min_persistence == settings.holes.min_persistence == 0.65
     dropped = CellSets(fractions, settings).at(chosen.threshold).features
     assert len(dropped) == 1
@@ -194,7 +195,7 @@ def test_persistence_removes_and_fills_exactly_the_short_lived_where_no_threshol
 
 def test_persistence_never_chooses_an_empty_mesh():
     cells = np.where(CELLS == 1, 0.5, 0.25)  # Nothing lives longer than half of all thresholds.
-    with pytest.raises(TopologyError, match="removing and filling does not either"):
+    with pytest.raises(TopologyError, match="nor removing and filling features leaves"):
         choose(make_fractions(cells), persistence=0.75)
     n_chosen = 0
     for seed in range(20):
@@ -226,7 +227,7 @@ def test_persistence_on_random_fields_is_verified_by_measurement():
             n_refused += 1
             continue
         mesh = mesh_of(fractions, chosen)
-        pairs = persistence_pairs(fractions.values)
+        pairs = CellSets(fractions).topology.pairs
         long = pairs[pairs["persistence"] >= 0.5]
         alive = (long["birth"] >= chosen.threshold) & (long["death"] < chosen.threshold)
         if "no threshold does it alone" in chosen.reason:
@@ -259,9 +260,42 @@ def test_volume_is_matched_by_measured_meshes():
 
 
 def test_a_selection_survives_json():
-    import dataclasses
-    import json
+    policy = Policy(holes=Criteria(keep=1), components=Criteria(keep=1))
+    chosen, _ = choose(make_fractions(PLATE), policy, threshold=0.9)
+    again = Selection.from_dict(json.loads(json.dumps(chosen.to_dict())))
+    assert again == chosen
+    assert again.without_features == chosen.without_features != ""
+    assert again.resolved is None
 
-    chosen, _ = choose(make_fractions(CELLS), target={"betti_1": 1})
-    text = json.dumps(dataclasses.asdict(chosen))
-    assert Selection.from_dict(json.loads(text)) == chosen
+
+def test_a_given_threshold_examines_its_own_interval_only(monkeypatch):
+    rng = np.random.default_rng(11)
+    for limit in (1000, 12):
+        monkeypatch.setattr(plateaus, "MIN_PLATEAUS", limit)
+        monkeypatch.setattr(plateaus, "MAX_PLATEAUS", limit)
+        for _ in range(10):
+            fractions = make_fractions(rng.random((4, 4)), rng.random((5, 5)))
+            examined = Plateaus(CellSets(fractions))
+            whole = Plateaus(CellSets(fractions)).table
+            intervals = merge_intervals(whole)
+            for threshold in (0.31, 0.47, 0.5, 0.62):
+                cells = examined.cell_sets.at(threshold)
+                holds = (intervals["lower"] < threshold) & (threshold <= intervals["upper"])
+                holds &= (intervals[plateaus.BETTI].to_numpy() == cells.predicted).all(axis=1)
+                chosen, candidates = choose_threshold(examined, Goal(threshold=threshold))
+                assert len(candidates) == 0
+                assert chosen.resolved is None
+                if holds.any():
+                    row = intervals[holds].iloc[0]
+                    assert (chosen.lower, chosen.upper) == (row["lower"], row["upper"])
+                    assert chosen.unexamined == row["unexamined"]
+            assert limit < 1000 or len(examined._rows) < len(examined)
+
+
+def test_a_selection_carries_the_mesh_that_verified_it():
+    for wanted in ({"target": {"betti_1": 1}}, {"persistence": 0.2}, {"volume": "match"}):
+        fractions = make_fractions(CELLS)
+        chosen, _ = choose(fractions, **wanted)
+        assert chosen.resolved.mesh.measurement.has_topology(chosen.predicted)
+        assert np.array_equal(chosen.resolved.mesh.points, mesh_of(fractions, chosen).points)
+        assert "resolved" not in chosen.to_dict()

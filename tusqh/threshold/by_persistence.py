@@ -1,0 +1,134 @@
+"""The threshold that shows only features that live over a range of thresholds."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from tusqh.antialias.cells import CellSets
+from tusqh.settings.policy import Policy
+from tusqh.threshold.candidates import CHOSEN, DISAGREES, list_plateaus, rank_candidates, try_cells
+from tusqh.threshold.describe_choice import describe_choice
+from tusqh.threshold.errors import grid_too_large_for_persistence, unreachable_persistence
+from tusqh.threshold.first_verified import find_first_verified
+from tusqh.threshold.plateaus import BETTI, Plateaus
+from tusqh.threshold.selection import Selection
+from tusqh.topology.persistence import count_alive
+
+#: At most this many thresholds are meshed to remove and fill short-lived features.
+REMOVAL_TRIALS = 10
+
+
+def choose_by_persistence(
+    plateaus: Plateaus, persistence: float, *, name: str
+) -> tuple[Selection, pd.DataFrame]:
+    """Return a threshold at which only long-lived features are left.
+
+    A threshold at which no others live is taken where there is one; else exactly the others are
+    removed and filled, where they are fewest.
+
+    Parameters
+    ----------
+    plateaus
+        The plateaus of the threshold.
+    persistence
+        Smallest range of thresholds over which a feature must live.
+    name
+        The model, for messages.
+
+    Returns
+    -------
+    selection, candidates
+        See `tusqh.threshold.choose.choose_threshold`.
+
+    Raises
+    ------
+    TopologyError
+        Neither does it, or the grid is too large to know the persistence of holes.
+    """
+    topology = plateaus.cell_sets.topology
+    if 1 not in topology.dimensions:
+        raise grid_too_large_for_persistence(name)
+    wanted = f"only features with persistence >= {persistence:g}"
+    is_short = topology.pairs["persistence"] < persistence
+    thresholds = plateaus.table["threshold"].to_numpy()
+    short = count_alive(topology.pairs[is_short], thresholds)
+    long = count_alive(topology.pairs[~is_short], thresholds)
+    chosen = _without_short_features(plateaus, short.sum(axis=1) == 0, wanted, name)
+    if chosen is not None:
+        return chosen
+    counted = plateaus.table.assign(n_short=short.sum(axis=1), n_short_holes=short[:, 1])
+    counted[[f"long_{betti}" for betti in BETTI]] = long
+    chosen = _by_removing_them(plateaus, counted, persistence, wanted, name)
+    if chosen is None:
+        raise unreachable_persistence(plateaus.table, wanted, name)
+    return chosen
+
+
+def _without_short_features(
+    plateaus: Plateaus, is_free: np.ndarray, wanted: str, name: str
+) -> tuple[Selection, pd.DataFrame] | None:
+    """Return the choice of a threshold at which no short-lived feature lives."""
+    is_wanted = pd.Series(is_free & (plateaus.table["cells"] > 0).to_numpy())
+    candidates = rank_candidates(plateaus.table, is_wanted)
+    found = find_first_verified(plateaus.cell_sets, candidates, name=name)
+    if found is None:
+        return None
+    row, trial = found
+    selection = describe_choice(
+        plateaus,
+        row,
+        trial.cells,
+        wanted=wanted,
+        reason=f"nothing shorter-lived is there for {row['lower']:.4g} < t <= "
+        f"{row['upper']:.4g}, number {row['rank']} of {len(candidates)} such intervals",
+        resolved=trial.resolved,
+    )
+    return selection, candidates
+
+
+def _by_removing_them(
+    plateaus: Plateaus, counted: pd.DataFrame, persistence: float, wanted: str, name: str
+) -> tuple[Selection, pd.DataFrame] | None:
+    """Return the choice of a threshold at which exactly the short-lived features are removed."""
+    cell_sets = plateaus.cell_sets
+    in_plane = cell_sets.fractions.grid.dim == 2
+    policy = _removing_policy(cell_sets.policy, persistence, in_plane=in_plane)
+    cut_sets = CellSets(cell_sets.fractions, policy, topology=cell_sets.topology)
+    # Holes in space cannot be filled, so none of them may be short-lived.
+    is_usable = (counted["cells"] > 0) & (in_plane | (counted["n_short_holes"] == 0))
+    tried = counted[is_usable].sort_values(["n_short", "width"], ascending=[True, False])
+    tried = tried.head(REMOVAL_TRIALS).reset_index(drop=True)
+    candidates = list_plateaus(tried[plateaus.table.columns])
+    expected = tried[[f"long_{betti}" for betti in BETTI]].to_numpy()
+    for index, threshold in enumerate(tried["threshold"].to_numpy()):
+        cells = cut_sets.at(threshold)
+        if cells.kept.any() and tuple(cells.predicted) == tuple(expected[index]):
+            trial = try_cells(cells, cell_sets.fractions.grid, name=name)
+            if trial.is_verified:
+                candidates.loc[index, "status"] = CHOSEN
+                selection = describe_choice(
+                    plateaus,
+                    candidates.iloc[index],
+                    cells,
+                    wanted=wanted,
+                    reason=f"no threshold does it alone; here {cells.n_removed} components were "
+                    f"removed and {cells.n_filled} holes or voids filled",
+                    policy=policy,
+                    resolved=trial.resolved,
+                )
+                return selection, candidates
+        candidates.loc[index, "status"] = DISAGREES
+    return None
+
+
+def _removing_policy(policy: Policy, persistence: float, *, in_plane: bool) -> Policy:
+    """Return a policy that also removes and fills what lives shorter."""
+    return replace(
+        policy,
+        components=replace(policy.components, min_persistence=persistence),
+        holes=replace(policy.holes, min_persistence=persistence if in_plane else 0.0),
+        voids=replace(policy.voids, min_persistence=0.0 if in_plane else persistence),
+    )

@@ -1,0 +1,63 @@
+"""A threshold that is given, and how far it can move."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from tusqh.antialias.cells import CellSets
+from tusqh.threshold.candidates import rank_candidates
+from tusqh.threshold.describe_choice import describe_choice
+from tusqh.threshold.errors import nothing_kept, threshold_out_of_range
+from tusqh.threshold.plateaus import BETTI, PREDICTED, Plateaus
+from tusqh.threshold.selection import Selection
+
+
+def take_threshold(
+    plateaus: Plateaus, threshold: float, *, name: str
+) -> tuple[Selection, pd.DataFrame]:
+    """Return a given threshold with the interval in which it can move; nothing is meshed.
+
+    Parameters
+    ----------
+    plateaus
+        The plateaus of the threshold; only those of the interval are examined.
+    threshold
+        Volume fraction in (0, 1].
+    name
+        The model, for messages.
+
+    Returns
+    -------
+    selection, candidates
+        See `tusqh.threshold.choose.choose_threshold`; there are no candidates.
+
+    Raises
+    ------
+    TopologyError
+        The threshold is out of range or keeps no cell.
+    """
+    if not 0 < threshold <= 1:
+        raise threshold_out_of_range(threshold, name)
+    cell_sets = plateaus.cell_sets
+    cells = cell_sets.at(threshold)
+    if not cells.kept.any():
+        raise nothing_kept(cell_sets, threshold, name)
+    row = plateaus.find_interval(threshold)
+    if row is None or tuple(row[BETTI]) != tuple(cells.predicted):
+        row = _unexamined_plateau(cell_sets, threshold)
+    row["threshold"] = threshold
+    row["margin"] = min(threshold - row["lower"], row["upper"] - threshold)
+    row["cell_margin"] = float(np.abs(cell_sets.levels - threshold).min())
+    selection = describe_choice(
+        plateaus, row, cells, wanted=f"the threshold {threshold:g}", reason="given"
+    )
+    none = pd.DataFrame(columns=PREDICTED, dtype=float)
+    return selection, rank_candidates(none, pd.Series(dtype=bool))
+
+
+def _unexamined_plateau(cell_sets: CellSets, threshold: float) -> pd.Series:
+    """Return the extent of the plateau around a threshold that was not examined."""
+    levels = np.concatenate([[1.0], cell_sets.levels, [0.0]])
+    upper, lower = levels[levels >= threshold].min(), levels[levels < threshold].max()
+    return pd.Series({"lower": lower, "upper": upper, "unexamined": 0.0})

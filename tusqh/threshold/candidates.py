@@ -1,0 +1,106 @@
+"""Candidates for the threshold: ranked, meshed, measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from tusqh.antialias.cells import CellSet
+from tusqh.antialias.resolve import Resolved, build_mesh
+from tusqh.grid import BackgroundGrid
+from tusqh.threshold.plateaus import merge_intervals
+
+#: Values of the column `status`.
+CHOSEN, NOT_TRIED, DISAGREES = "chosen", "not tried", "measurement disagrees"
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A candidate that was meshed and measured.
+
+    Parameters
+    ----------
+    cells
+        Its cells, with the prediction.
+    resolved
+        Its mesh.
+    """
+
+    cells: CellSet
+    resolved: Resolved
+
+    @property
+    def is_verified(self) -> bool:
+        """Whether the mesh is sound and measures, by both methods, what was predicted."""
+        measured = self.resolved.mesh.measurement
+        return (
+            measured.has_topology(self.cells.predicted)
+            and self.resolved.cells.predicted == self.cells.predicted
+            and measured.is_sound
+        )
+
+
+def try_cells(cells: CellSet, grid: BackgroundGrid, *, name: str) -> Trial:
+    """Return the mesh of the cells at a candidate threshold.
+
+    Parameters
+    ----------
+    cells
+        The cells of the candidate.
+    grid
+        The background grid.
+    name
+        The model, for messages.
+    """
+    return Trial(cells, build_mesh(cells, grid, name=name))
+
+
+def rank_candidates(predicted: pd.DataFrame, is_wanted: pd.Series) -> pd.DataFrame:
+    """Return the intervals of wanted plateaus, the widest first, then the closest to 1/2.
+
+    Parameters
+    ----------
+    predicted
+        See `tusqh.threshold.plateaus.Plateaus.table`.
+    is_wanted
+        The plateaus to use.
+
+    Returns
+    -------
+    candidates
+        The columns of `tusqh.threshold.plateaus.merge_intervals`, `rank` and `status`.
+
+    Examples
+    --------
+    >>> predicted = pd.DataFrame({
+    ...     "upper": [1.0, 0.5, 0.4], "lower": [0.5, 0.4, 0.0], "width": [0.5, 0.1, 0.4],
+    ...     "threshold": [0.75, 0.45, 0.2], "cells": 1,
+    ...     "betti_0": [1, 2, 1], "betti_1": 0, "betti_2": 0})
+    >>> ranked = rank_candidates(predicted, predicted["betti_0"] == 1)
+    >>> ranked[["rank", "threshold", "status"]].values.tolist()
+    [[1, 0.75, 'not tried'], [2, 0.2, 'not tried']]
+    """
+    intervals = merge_intervals(predicted, is_wanted)
+    order = np.lexsort([(intervals["threshold"] - 0.5).abs(), -intervals["width"]])
+    return _with_rank(intervals.iloc[order])
+
+
+def list_plateaus(plateaus: pd.DataFrame) -> pd.DataFrame:
+    """Return single plateaus as candidates, in the order given.
+
+    Parameters
+    ----------
+    plateaus
+        Rows of `tusqh.threshold.plateaus.Plateaus.table`.
+    """
+    half = plateaus["width"] / 2
+    return _with_rank(plateaus.assign(margin=half, cell_margin=half, unexamined=0.0))
+
+
+def _with_rank(candidates: pd.DataFrame) -> pd.DataFrame:
+    ranked = candidates.reset_index(drop=True)
+    ranked.insert(0, "rank", np.arange(1, len(ranked) + 1))
+    ranked["status"] = NOT_TRIED
+    return ranked

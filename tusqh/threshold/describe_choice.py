@@ -1,0 +1,77 @@
+"""The selection that describes a choice."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import pandas as pd
+
+from tusqh.antialias.cells import CellSet
+from tusqh.antialias.resolve import Resolved
+from tusqh.settings.goal import Target
+from tusqh.settings.policy import Policy
+from tusqh.threshold.candidates import rank_candidates
+from tusqh.threshold.goals import matches
+from tusqh.threshold.plateaus import Plateaus
+from tusqh.threshold.selection import Selection
+from tusqh.topology.betti_numbers import BettiNumbers
+
+
+def describe_choice(
+    plateaus: Plateaus,
+    row: pd.Series,
+    cells: CellSet,
+    *,
+    wanted: str,
+    reason: str,
+    policy: Policy | None = None,
+    resolved: Resolved | None = None,
+) -> Selection:
+    """Return the selection of a candidate.
+
+    Parameters
+    ----------
+    plateaus
+        The plateaus of the threshold.
+    row
+        The candidate: `threshold`, `lower`, `upper`, `margin`, `cell_margin`, `unexamined`.
+    cells
+        Its cells.
+    wanted, reason
+        What was asked for and why this was chosen, in words.
+    policy
+        What was done about pinches and small features, where it is not that of the plateaus.
+    resolved
+        The mesh, where one was made.
+    """
+    threshold = float(row["threshold"])
+    return Selection(
+        threshold=threshold,
+        lower=float(row["lower"]),
+        upper=float(row["upper"]),
+        margin=float(row["margin"]),
+        cell_margin=float(row["cell_margin"]),
+        unexamined=float(row["unexamined"]),
+        wanted=wanted,
+        raw=plateaus.cell_sets.topology.betti_at(threshold),
+        predicted=cells.predicted,
+        reason=reason,
+        policy=policy or plateaus.cell_sets.policy,
+        find_without_features=(
+            partial(_list_without_features, plateaus, cells.predicted)
+            if len(cells.features)
+            else str
+        ),
+        resolved=resolved,
+    )
+
+
+def _list_without_features(plateaus: Plateaus, betti: BettiNumbers) -> str:
+    """Return the intervals with these Betti numbers in which nothing is removed or filled."""
+    predicted = plateaus.table
+    is_untouched = predicted["removed"] + predicted["filled"] == 0
+    is_wanted = is_untouched & matches(predicted, Target(**betti._asdict()))
+    return "; ".join(
+        f"{interval.lower:.4g} < t <= {interval.upper:.4g}"
+        for interval in rank_candidates(predicted, is_wanted).head(3).itertuples()
+    )

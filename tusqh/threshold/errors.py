@@ -1,0 +1,131 @@
+"""Errors for goals that no threshold reaches."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from tusqh.antialias.cells import CellSets
+from tusqh.errors import TopologyError
+from tusqh.settings.goal import Target
+from tusqh.threshold.goals import distances
+from tusqh.threshold.plateaus import list_reachable
+from tusqh.topology.persistence import DIAGRAM_CELLS
+
+
+def unreachable_target(predicted: pd.DataFrame, target: Target, name: str) -> TopologyError:
+    """Return the error for Betti numbers that no threshold gives.
+
+    Parameters
+    ----------
+    predicted
+        See `tusqh.threshold.plateaus.Plateaus.table`.
+    target
+        The wanted Betti numbers.
+    name
+        The model.
+    """
+    shown = predicted[predicted["cells"] > 0]
+    nearest = "none"
+    if len(shown):
+        row = shown.iloc[int(distances(shown, target).argmin())]
+        nearest = ", ".join(f"{key} = {row[key]:.0f}" for key in target.given())
+    return TopologyError(
+        f"no threshold gives {target}",
+        where=name,
+        expected="Betti numbers that some threshold reaches:\n" + list_reachable(predicted),
+        remedy=f"ask for one of these (nearest: {nearest}), or change the grid, or the criteria "
+        "for `components` and `holes`",
+    )
+
+
+def unreachable_persistence(predicted: pd.DataFrame, wanted: str, name: str) -> TopologyError:
+    """Return the error for features that cannot be told apart by their persistence.
+
+    Parameters
+    ----------
+    predicted
+        See `tusqh.threshold.plateaus.Plateaus.table`.
+    wanted
+        What was asked for, in words.
+    name
+        The model.
+    """
+    return TopologyError(
+        f"neither a threshold alone nor removing and filling features leaves {wanted}",
+        where=name,
+        expected="features that can be told apart by their persistence",
+        remedy="lower `persistence`, or ask for Betti numbers with `target`:\n"
+        + list_reachable(predicted),
+    )
+
+
+def grid_too_large_for_persistence(name: str) -> TopologyError:
+    """Return the error for a 3D grid on which the persistence of holes is unknown.
+
+    Parameters
+    ----------
+    name
+        The model.
+    """
+    return TopologyError(
+        "`persistence` on a 3D grid of that many cells",
+        where=name,
+        expected=f"at most {DIAGRAM_CELLS} cells, for which the persistence of holes is known",
+        remedy="use a coarser grid, or ask for Betti numbers with `target`",
+    )
+
+
+def no_mesh_as_predicted(name: str) -> TopologyError:
+    """Return the error for meshes of which none measures as predicted.
+
+    Parameters
+    ----------
+    name
+        The model.
+    """
+    return TopologyError(
+        "no mesh near the wanted volume measures as predicted",
+        where=name,
+        expected="a mesh with the predicted Betti numbers",
+        remedy="this is a fault of tusqh: please report it with fractions.npz",
+    )
+
+
+def threshold_out_of_range(threshold: float, name: str) -> TopologyError:
+    """Return the error for a threshold that is not a volume fraction above 0.
+
+    Parameters
+    ----------
+    threshold
+        The threshold that was given.
+    name
+        The model.
+    """
+    return TopologyError(
+        f"the threshold is {threshold}",
+        where=name,
+        expected="a volume fraction in (0, 1]",
+        remedy="use 0.5, or ask for Betti numbers with `target`",
+    )
+
+
+def nothing_kept(cell_sets: CellSets, threshold: float, name: str) -> TopologyError:
+    """Return the error for a threshold that keeps no cell.
+
+    Parameters
+    ----------
+    cell_sets
+        The cells of every threshold.
+    threshold
+        The threshold.
+    name
+        The model.
+    """
+    largest = cell_sets.fractions.cells.max()
+    return TopologyError(
+        f"no cell is left at threshold {threshold:g}",
+        where=name,
+        expected=f"a threshold of at most {largest:.4g}, the largest fraction, and components "
+        "that meet the criteria",
+        remedy="lower `threshold` or the criteria for `components`, or use a finer grid",
+    )

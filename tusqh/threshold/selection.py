@@ -1,0 +1,116 @@
+"""The chosen threshold, why it was chosen, and how robust the choice is."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Self
+
+from tusqh.antialias.resolve import Resolved
+from tusqh.settings.policy import Policy
+from tusqh.topology.betti_numbers import BettiNumbers
+
+
+@dataclasses.dataclass(frozen=True)
+class Selection:
+    """A threshold, why it was chosen, and how robust the choice is.
+
+    Parameters
+    ----------
+    threshold
+        Dimensionless, in (0, 1].
+    lower, upper
+        Every examined threshold ``t`` with ``lower < t <= upper`` has the same Betti numbers.
+    margin
+        Distance of the threshold to the nearer end of that interval.
+    cell_margin
+        Distance to the nearest fraction of a cell or sub-cell, where the cells may change.
+    unexamined
+        Width within the interval that no examined plateau covers.
+    wanted
+        What was asked for, in words.
+    raw
+        Betti numbers of the filtration, where every pinch follows its own sub-cell.
+    predicted
+        Betti numbers that the mesh will have.
+    reason
+        One sentence for people.
+    policy
+        What was done about pinches and small features, which may differ from the settings.
+    find_without_features
+        Computes `without_features`.
+    resolved
+        The mesh, where one was made to verify the choice; it is not stored in files.
+    """
+
+    threshold: float
+    lower: float
+    upper: float
+    margin: float
+    cell_margin: float
+    unexamined: float
+    wanted: str
+    raw: BettiNumbers
+    predicted: BettiNumbers
+    reason: str
+    policy: Policy
+    find_without_features: Callable[[], str] = dataclasses.field(
+        default=str, compare=False, repr=False
+    )
+    resolved: Resolved | None = dataclasses.field(default=None, compare=False, repr=False)
+
+    @cached_property
+    def without_features(self) -> str:
+        """The thresholds that give the same Betti numbers with no feature removed or filled.
+
+        In words; empty where no threshold does, or where the choice removes and fills nothing.
+        All plateaus are examined for it.
+        """
+        return self.find_without_features()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the selection as plain values for JSON, without the mesh."""
+        return {
+            "threshold": self.threshold,
+            "lower": self.lower,
+            "upper": self.upper,
+            "margin": self.margin,
+            "cell_margin": self.cell_margin,
+            "unexamined": self.unexamined,
+            "wanted": self.wanted,
+            "raw": list(self.raw),
+            "predicted": list(self.predicted),
+            "reason": self.reason,
+            "without_features": self.without_features,
+            "policy": dataclasses.asdict(self.policy),
+        }
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> Self:
+        """Return the selection that `to_dict` described.
+
+        Parameters
+        ----------
+        values
+            Plain values, for instance the content of selection.json.
+        """
+        given = dict(values)
+        without_features = str(given.pop("without_features"))
+        for key in ("raw", "predicted"):
+            given[key] = BettiNumbers(*given[key])
+        given["policy"] = Policy.from_dict(given["policy"])
+        return cls(**given, find_without_features=lambda: without_features)
+
+
+def load_selection(path: Path) -> Selection:
+    """Return the selection in a selection.json.
+
+    Parameters
+    ----------
+    path
+        The file.
+    """
+    return Selection.from_dict(json.loads(path.read_text(encoding="utf-8")))

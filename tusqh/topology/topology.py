@@ -1,0 +1,172 @@
+"""The topology of volume fractions at every threshold, made once from the exact multiples."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+import pandas as pd
+
+from tusqh.grid import FloatArray
+from tusqh.sampling.doubled_grid import RESOLUTION, Multiples
+from tusqh.topology.betti_numbers import BettiNumbers
+from tusqh.topology.clamping import clamp_multiples, complement
+from tusqh.topology.curves import outer_pairs, persistence_by_cell, tabulate_curves
+from tusqh.topology.persistence import (
+    DIAGRAM_CELLS,
+    betti_at,
+    pair_by_gudhi,
+    paired_dimensions,
+    require_agreement,
+)
+from tusqh.topology.union_find import Merges, merge_components
+
+
+class Topology:
+    """The topology of the filtration; each property is computed once, when first needed.
+
+    Two passes of union-find give everything but the pairs of dimension 1 in 3D and those of 2D,
+    which gudhi finds.
+
+    Parameters
+    ----------
+    multiples
+        Fractions on the doubled grid as multiples of `RESOLUTION`, shape ``2 n + 1``, int32;
+        below 0 and above 1 / `RESOLUTION` they count as these.
+    n_cells
+        A 3D grid of more cells gets no pairs of dimension 1 (the curves still count them).
+
+    Examples
+    --------
+    Two cells that only their vertex joins: the younger component dies when it enters.
+
+    >>> fractions = np.zeros((5, 5))
+    >>> fractions[1, 1], fractions[3, 3], fractions[2, 2] = 1.0, 0.75, 0.5
+    >>> topology = Topology.from_fractions(fractions)
+    >>> topology.curves[["upper", "lower", "betti_0"]].values
+    array([[1.  , 0.75, 1.  ],
+           [0.75, 0.5 , 2.  ],
+           [0.5 , 0.  , 1.  ]])
+    >>> topology.pairs[["dimension", "birth", "death", "death_place"]].values
+    array([[ 0.  ,  1.  ,  0.  , -1.  ],
+           [ 0.  ,  0.75,  0.5 , 12.  ]])
+    """
+
+    def __init__(self, multiples: Multiples, *, n_cells: int = DIAGRAM_CELLS) -> None:
+        self.multiples = multiples
+        self.dimensions = paired_dimensions(multiples.shape, n_cells=n_cells)
+
+    @classmethod
+    def from_fractions(cls, fractions: FloatArray, *, n_cells: int = DIAGRAM_CELLS) -> Self:
+        """Return the topology of fractions on the doubled grid, rounded to `RESOLUTION`.
+
+        Parameters
+        ----------
+        fractions
+            Shape ``2 n + 1``, dimensionless.
+        n_cells
+            See `Topology`.
+        """
+        return cls(np.rint(fractions / RESOLUTION).astype(np.int32), n_cells=n_cells)
+
+    @classmethod
+    def from_tables(cls, multiples: Multiples, curves: pd.DataFrame, pairs: pd.DataFrame) -> Self:
+        """Return a topology whose curves and pairs were computed before.
+
+        Parameters
+        ----------
+        multiples
+            See `Topology`.
+        curves, pairs
+            Tables of the properties with these names, for instance as read from files.
+        """
+        topology = cls(multiples)
+        topology.__dict__.update(curves=curves, pairs=pairs)
+        return topology
+
+    @cached_property
+    def curves(self) -> pd.DataFrame:
+        """Betti numbers of every plateau, see `tusqh.topology.curves.tabulate_curves`."""
+        return tabulate_curves(self._nodes, self._kept, self._empty)
+
+    @cached_property
+    def pairs(self) -> pd.DataFrame:
+        """Pairs that live over a range of thresholds, and the classes that never die.
+
+        One row per pair, sorted: `dimension`; `birth` and `death`, the fractions at which the
+        class appears and disappears as the threshold falls (death is 0 for classes that are
+        still there at every threshold above 0, and `essential` is then True); `persistence` =
+        birth - death; `birth_place` and `death_place`, the flat index into the doubled grid of
+        the cell, edge or vertex that creates and destroys the class (-1 where nothing does).
+        """
+        return self.all_pairs[self.all_pairs["persistence"] > 0].reset_index(drop=True)
+
+    @cached_property
+    def all_pairs(self) -> pd.DataFrame:
+        """The pairs, with those of gudhi that are born and die at one fraction."""
+        if self.multiples.ndim == 2:
+            return pair_by_gudhi(self.multiples)
+        if 1 not in self.dimensions:
+            return self.outer_pairs
+        voids = self.outer_pairs[self.outer_pairs["dimension"] == 2]
+        return pd.concat([pair_by_gudhi(self.multiples), voids]).reset_index(drop=True)
+
+    @cached_property
+    def outer_pairs(self) -> pd.DataFrame:
+        """Pairs of the lowest and the highest dimension, by union-find alone."""
+        return outer_pairs(self._nodes, self._kept, self._empty)
+
+    @cached_property
+    def diagonal(self) -> pd.DataFrame:
+        """Number of `pairs` that live over no range of thresholds, by `dimension` and `birth`."""
+        pairs = self.all_pairs
+        numbers = pairs[pairs["persistence"] == 0].groupby(["dimension", "birth"]).size()
+        return numbers.reset_index(name="pairs")
+
+    @cached_property
+    def persistence_by_cell(self) -> tuple[FloatArray, FloatArray]:
+        """Persistence of the classes that every cell creates and destroys, shape n each.
+
+        See `tusqh.topology.curves.persistence_by_cell`.
+        """
+        return persistence_by_cell(self._nodes, self._kept, self._empty)
+
+    def betti_at(self, threshold: float) -> BettiNumbers:
+        """Return the Betti numbers of the filtration at a threshold in (0, 1].
+
+        Parameters
+        ----------
+        threshold
+            Volume fraction, dimensionless.
+        """
+        return betti_at(self.curves, threshold)
+
+    def require_agreement(self, *, name: str) -> None:
+        """Raise an error when pairs and curves, two independent counts, differ.
+
+        Parameters
+        ----------
+        name
+            The model, for the message.
+
+        Raises
+        ------
+        TopologyError
+            They differ at a threshold, which is a fault of tusqh or gudhi.
+        """
+        require_agreement(self.pairs, self.curves, self.dimensions, name=name)
+
+    @cached_property
+    def _nodes(self) -> Multiples:
+        return clamp_multiples(self.multiples)
+
+    @cached_property
+    def _kept(self) -> Merges:
+        """Components of the kept nodes."""
+        return merge_components(self._nodes)
+
+    @cached_property
+    def _empty(self) -> Merges:
+        """Components of the other nodes, which are the holes or voids and the outside."""
+        return merge_components(complement(self._nodes))
