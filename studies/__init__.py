@@ -1,1 +1,1 @@
-"""The paper's claims and our own, measured: one module per experiment, tables out."""
+"""The studies of the paper and our own: each module makes tables that decide claims."""

@@ -1,7 +1,7 @@
-"""What anti-aliasing does to a diagonal gap and a wedge, and to a gap along the axes.
+"""The effect of anti-aliasing on a diagonal gap, a wedge, and a gap along the axes.
 
-Paper: Topological Anti-aliasing and Anti-aliasing; all with exact fractions, cells of size 1 and
-threshold 1/2.
+Paper: Topological Anti-aliasing and Anti-aliasing.  All examples have exact fractions, cells of
+size 1 and threshold 1/2.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from tusqh.settings.policy import Criteria, Policy
 #: The paper's three gaps along the axes: below half a cell, between, and above a cell.
 GAP_WIDTHS = (0.4, 0.75, 1.2)
 
-#: Islands with fewer cells than this go, after bridges joined what they could.
+#: Islands with fewer cells than this are removed, after bridges have joined others.
 _MIN_CELLS = 4
 
 
@@ -49,7 +49,19 @@ def diagonal_gap(width: float, degrees: float, size: int) -> list[Polygon]:
 
 
 def wedge(apex: tuple[float, float], degrees: float, turn: float, length: float) -> Polygon:
-    """Return a wedge of material as triangle: its apex, opening angle, direction and length."""
+    """Return a wedge of material as a triangle.
+
+    Parameters
+    ----------
+    apex
+        Its apex.
+    degrees
+        Opening angle.
+    turn
+        Direction of its axis, in degrees from the x axis.
+    length
+        Length of its axis, in cells.
+    """
     low, high = (math.radians(turn + side * degrees / 2) for side in (-1, 1))
     reach = length / math.cos(math.radians(degrees / 2))
     ends = [
@@ -60,7 +72,7 @@ def wedge(apex: tuple[float, float], degrees: float, turn: float, length: float)
 
 
 def compare_examples() -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the shapes and facts of the diagonal gap and the wedge, before and after."""
+    """Return the shapes and the facts of the diagonal gap and the wedge, before and after."""
     policy = Policy(components=Criteria(min_cells=_MIN_CELLS))
     square = BackgroundGrid(shape=(12, 12), cell_size=1.0, origin=(0.0, 0.0))
     strip = BackgroundGrid(shape=(40, 20), cell_size=1.0, origin=(0.0, 0.0))
@@ -84,7 +96,7 @@ def axis_gap(width: float, offset: float, grid: BackgroundGrid) -> list[Polygon]
 
 
 def sweep_axis_gap(n_offsets: int) -> pd.DataFrame:
-    """Return, for offsets over a period, the widths at which the gap closes and opens.
+    """Return the widths at which the gap closes and opens, for offsets over one period.
 
     One row per offset and rule (`studies.gap_patch.RULES`); `components_<width>` are
     those of the mesh, built and measured, at the widths of the paper's three gaps.

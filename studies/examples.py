@@ -1,6 +1,6 @@
 """The paper's small examples in the plane, meshed with exact fractions, as tables to draw from.
 
-A table of shapes has one row per thing drawn, with the columns of `SHAPE_COLUMNS`: polygons have
+A table of shapes has one row per shape, with the columns of `SHAPE_COLUMNS`: polygons have
 up to four corners, edges of the grid two, vertices one; corners that a shape lacks are empty.
 """
 
@@ -27,7 +27,7 @@ from tusqh.topology.betti_numbers import BettiNumbers
 
 SHAPE_COLUMNS = ["panel", "shape", *(f"{axis}{k}" for k in range(4) for axis in "xy")]
 
-#: Shapes other than elements, which are called by their kind.
+#: Names of shapes that are not elements; elements are named by their kind.
 GEOMETRY = "geometry"
 KEPT = "kept cell"
 INTERIOR_EDGE = "interior edge"
@@ -40,7 +40,7 @@ def shape_rows(panel: str, shape: str, corners: FloatArray) -> pd.DataFrame:
     Parameters
     ----------
     panel, shape
-        Where they are drawn, and what they are.
+        The panel in which they are drawn, and their kind.
     corners
         Shape (m, k, 2) with k at most 4, in model units.
     """
@@ -53,7 +53,7 @@ def shape_rows(panel: str, shape: str, corners: FloatArray) -> pd.DataFrame:
 
 
 def mesh_rows(panel: str, mesh: VolumeMesh) -> pd.DataFrame:
-    """Return the elements of a quad mesh as shapes called by their kind."""
+    """Return the elements of a quad mesh as shapes named by their kind."""
     return pd.concat(
         [
             shape_rows(panel, kind, mesh.points[mesh.cells[mesh.kind == k]])
@@ -93,12 +93,12 @@ def mesh_example(
     threshold: float = 0.5,
     policy: Policy | None = None,
 ) -> tuple[pd.DataFrame, dict[str, Any]]:
-    """Return the shapes of an example before and after anti-aliasing, and what changed.
+    """Return the shapes and facts of an example before and after anti-aliasing.
 
     Parameters
     ----------
     name
-        The example; its panels are called ``<name>: before`` and ``<name>: after``.
+        The example; its panels are ``<name>: before`` and ``<name>: after``.
     polygons
         Its geometry, triangles or quads that do not overlap, counter-clockwise.
     grid
@@ -106,7 +106,7 @@ def mesh_example(
     threshold
         Volume-fraction threshold, dimensionless.
     policy
-        What to do about pinches and archipelagos.
+        The policy for pinches and bridges.
     """
     fractions = exact_fractions(polygons, grid)
     cells = CellSets(fractions, policy).at(threshold)
@@ -140,7 +140,7 @@ def mesh_example(
 
 
 def mesh_facts(mesh: VolumeMesh, predicted: BettiNumbers) -> dict[str, Any]:
-    """Return the measured topology of a mesh, whether it is as predicted, and if it is sound."""
+    """Return the measured topology of a mesh, and whether it is as predicted and sound."""
     measured = betti_by_euler(mesh)
     return {
         "elements": mesh.n_cells,

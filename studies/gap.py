@@ -1,15 +1,15 @@
 r"""A straight gap between two half-spaces, on a grid in any orientation and at any offset.
 
 The setting of the paper's theorem: material everywhere but in a slab of width ``L`` around a
-middle plane (2D: line) with unit normal ``n``, cells of size 1, threshold 1/2.  What a cell of
-any dimension sees depends only on the signed distance ``u`` of its centre from the middle plane:
+middle plane (2D: line) with unit normal ``n``, cells of size 1, threshold 1/2.  The fraction of a
+cell of any dimension depends only on the signed distance ``u`` of its centre from the middle plane:
 its fictitious cell is a unit cube there, whose points have the distances ``u + P``, where ``P``
 is ``n . x`` for points ``x`` of a cube around the origin.  The gap fills at most half of it
 exactly when ``L`` is at most twice the median of ``|u + P|``: its *critical width*.
 
 With exact volumes the median is that of a continuous distribution, a sum of uniform ones; with
 ``s`` samples along each side it is the upper median of ``s**dim`` numbers.  Cells are kept as long
-as ``L <= critical width``, ties included, as the paper has it.
+as ``L <= critical width``, ties included, as in the paper.
 """
 
 from __future__ import annotations
@@ -81,7 +81,9 @@ def fraction_below(t: float, normal: FloatArray) -> float:
 
 @njit(cache=True)
 def fraction_in_gap(u: float, width: float, normal: FloatArray) -> float:
-    """Return which fraction of a cell, its centre at signed distance `u`, the gap fills.
+    """Return the fraction of a cell that the gap fills.
+
+    The centre of the cell is at the signed distance `u` from the middle of the gap.
 
     >>> import numpy as np
     >>> fraction_in_gap(0.25, 0.5, np.array([1.0, 0.0]))

@@ -1,4 +1,4 @@
-"""Gaps meshed by the real pipeline, against what the filtration by gap width says.
+"""Meshes of gaps, compared with the filtration by gap width.
 
 The mesh does more than the filtration: clusters of pinches get one decision, and bridges join what
 interior edges connect.  With exact areas, in the plane:
@@ -29,14 +29,14 @@ from tusqh.settings.policy import Policy
 
 _ROWS = 7
 
-#: Most trials lie this close to a width at which something changes.
+#: Most trials are this close to a width at which the outcome changes.
 _CLOSE = 0.01
 
 
 def gap_fractions(
     normal: FloatArray, offset: float, width: float, shape: tuple[int, ...], samples: int
 ) -> VolumeFractions:
-    """Return the fractions of cells along a gap; material goes on outside of the grid.
+    """Return the fractions of cells along a gap; the material extends beyond the grid.
 
     Parameters
     ----------
@@ -67,19 +67,19 @@ def gap_fractions(
 
 
 def compare_with_meshes(n_trials: int, samples: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Return random gaps with what joins their sides: the filtration, or the mesh.
+    """Return random gaps, and whether the filtration and the mesh join their sides.
 
-    `bare` is the mesh without bridges; `in_window` says that a gap of that width and rotation can
+    `bare` is the mesh without bridges; `in_window` states that a gap of that width and rotation can
     be joined, with exact fractions, at some offset.
 
     Parameters
     ----------
     n_trials
-        Number of gaps; two in three lie close to a width at which some rule opens.
+        Number of gaps; two in three are close to a width at which some rule opens.
     samples
         Samples along the side of a cell; 0 for exact fractions.
     rng
-        Where rotations, offsets and widths come from.
+        Source of the random rotations, offsets and widths.
     """
     rows = []
     for _ in range(n_trials):

@@ -1,7 +1,7 @@
-r"""When a gap opens and when it closes, on a patch of cells along it.
+r"""The widths at which a gap opens and closes, on a patch of cells along it.
 
 Growing wider, a gap drops one cell of the doubled grid after the other, at their critical widths
-(`studies.gap`): the gap's width is a filtration.  So two numbers say everything about a
+(`studies.gap`): the gap's width is a filtration.  So two numbers describe the outcome for a
 patch, an orientation and an offset:
 
 * up to the *closing width*, the smallest critical width of all cells, nothing is dropped: the gap
@@ -10,17 +10,17 @@ patch, an orientation and an offset:
   half-spaces (a bottleneck: the merge of two components), it is **open**;
 * between them it is **mixed**: joined in places, with voids.
 
-What a path may use is the rule of the sub-cells.  All rules live on one graph, cells of all
-dimensions joined when one is a face of the other, and differ in the critical widths of the lower
-dimensions alone::
+The rule determines which cells a path can use.  All rules use one graph, in which cells of all
+dimensions are joined if one is a face of the other, and differ only in the critical widths of the
+lower dimensions::
 
     touching   the largest of the cells around: cells as closed sets, pinches join
     faces      the smallest of the cells around: only whole shared faces join
     filtration the paper's complex: a face when both its cells are kept, edges (3D) and vertices
                their own, clamped to the range of the cells around
-    sub-cells  all their own: what the proof of the theorem looks at
+    sub-cells  all their own: the case of the theorem's proof
 
-In the plane our meshes are as the filtration (`studies.gap_meshes`); in space the edges
+In the plane our meshes agree with the filtration (`studies.gap_meshes`); in space the edges
 and vertices of a cluster of pinches may disagree, and the policy for mixed clusters decides.
 """
 
@@ -32,7 +32,7 @@ from numba import njit, prange
 from studies.gap import critical_width
 from tusqh.grid import FloatArray, IntArray
 
-#: What joins cells; the position in this tuple is the last index of the widths below.
+#: The rules that join cells; the position in this tuple is the last index of the widths below.
 RULES = ("touching", "faces", "filtration", "sub-cells")
 _TOUCHING, _FACES, _FILTRATION, _SUB_CELLS = range(4)
 

@@ -1,4 +1,4 @@
-"""The pinches of the plane and of space, found by enumeration, and what the templates make of them.
+"""The pinches of the plane and of space, found by enumeration, and their resolution by templates.
 
 Paper: Anti-aliasing, figures of all pinches, of pinches in series and of connecting edges.
 """
@@ -44,7 +44,7 @@ _CORNERS = [f"{axis}{k}" for k in range(8) for axis in "xyz"]
 def list_configurations(dim: int) -> list[BoolArray]:
     """Return one neighbourhood of ``2**dim`` cells for each kind of pinch, by rising cell count.
 
-    Kinds that a rotation or reflection turns into each other are one.
+    Neighbourhoods that are equal up to rotation and reflection are one kind.
 
     >>> len(list_configurations(2)), len(list_configurations(3))
     (1, 11)
@@ -65,9 +65,9 @@ def list_configurations(dim: int) -> list[BoolArray]:
 
 
 def tabulate_catalogue() -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the facts of every configuration, raw and with both decisions, and all elements.
+    """Return the facts and elements of each configuration, raw and with both decisions.
 
-    Raw cells are no manifold (`sound` is false), and joined where separation is predicted.
+    Raw cells are not manifold (`sound` is false), and are joined where the prediction separates.
     """
     facts, elements = [], []
     for dim in (2, 3):
@@ -133,8 +133,8 @@ _STAIRS = np.array(
 def resolve_series() -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return facts and shapes of pinches in series: two clusters of adjacent pinches.
 
-    As they are, all voting to separate, all to connect, one cluster each way (`both`), and in the
-    last two panels every other pinch votes otherwise, which the policy for mixed clusters settles.
+    The panels: raw; all votes to separate; all to connect; one cluster each way (`both`); and
+    alternating votes, which the policy for mixed clusters decides, in the last two panels.
     """
     grid = BackgroundGrid(shape=_STAIRS.shape, cell_size=1.0, origin=(0.0, 0.0))
     pinches = find_pinches(_STAIRS)

@@ -74,7 +74,7 @@ def lay_grids(
     geometry
         The model.
     placement
-        How it lies.
+        Its rotation and shift.
     sizes
         Cells along the longest side of the window or bounding box, before it was turned; the
         largest has to be a multiple of every other one.
@@ -117,7 +117,7 @@ def lay_grids(
 
 
 def _on_grid(blocks: FloatArray, lattice: BackgroundGrid, per_half: int) -> VolumeFractions:
-    """Return the fractions on a grid whose half-blocks are so many blocks along each side."""
+    """Return the fractions on a grid whose half-blocks have this many blocks along each side."""
     split = [k for n in blocks.shape for k in (n // per_half, per_half)]
     means = blocks.reshape(split).mean(axis=tuple(range(1, 2 * blocks.ndim, 2)))
     grid = BackgroundGrid(

@@ -1,6 +1,6 @@
-"""Pages made of tables and figures: the text is a template, the numbers come from the tables.
+"""Rendering of pages from templates, tables and figures.
 
-A template is Jinja2 text.  What it gets can use only what the page was given::
+A template is Jinja2 text.  It can use the tables and figures that the page was given::
 
     {{ value("results/tables/summary.csv", "elements", "model == 'bearings'") }}
     {{ table("results/tables/summary.csv", columns=["model", "verdict"], rows="cells > 100") }}
@@ -22,16 +22,16 @@ from provenance.stamp import read_mark, stamp
 from tusqh.atomic import replacing
 from tusqh.errors import TusqhError
 
-#: Widest picture on a page, in pixels; the full one stays in results/.
+#: Largest width of a picture, in pixels; results/ keeps the full figure.
 _PICTURE_WIDTH = 1400
 
 
 class PageError(TusqhError):
-    """A page asks for a table or figure that it was not given, or is not right itself."""
+    """A template is broken, or uses a table or figure that it was not given."""
 
 
 def picture_name(figure: str) -> str:
-    """Return what the picture of a figure is called on a page.
+    """Return the name of the picture of a figure on a page.
 
     >>> picture_name("results/dragon/figures/panels.png")
     'dragon_panels.png'
@@ -55,19 +55,19 @@ def render_page(
     Parameters
     ----------
     template
-        The Jinja2 template; what it includes is looked for beside it.
+        The Jinja2 template; the files that it includes are beside it.
     tables
-        CSV files it may quote.
+        CSV files that it can use.
     figures
-        PNG files it may show; it has to show all of them.
+        PNG files, all of which it must show.
     pictures
-        Folder of the pictures, as seen from the page.
+        Folder of the pictures, relative to the page.
 
     Raises
     ------
     PageError
-        The template is broken, asks for a file that it was not given or for a value that is not
-        exactly one, or leaves a figure out.
+        The template is broken, uses a file that it was not given or a value that is not unique, or
+        omits a figure.
     """
     given = {path: pd.read_csv(path) for path in tables}
     allowed, shown = set(figures), set()
@@ -116,9 +116,16 @@ def render_page(
 
 
 def copy_pictures(figures: Sequence[str], folder: Path) -> list[Path]:
-    """Write the figures into a folder of a page, no wider than a page needs; return the files.
+    """Write figures as pictures of a page, reduced to its width, and return the files.
 
-    Each keeps the mark that says what it was drawn from.
+    Each picture keeps the mark of its figure, see `provenance.stamp`.
+
+    Parameters
+    ----------
+    figures
+        PNG files.
+    folder
+        The folder of the pictures.
     """
     from PIL import Image
 
@@ -130,7 +137,7 @@ def copy_pictures(figures: Sequence[str], folder: Path) -> list[Path]:
             if picture.width > _PICTURE_WIDTH:
                 height = round(picture.height * _PICTURE_WIDTH / picture.width)
                 picture = picture.resize((_PICTURE_WIDTH, height), Image.Resampling.LANCZOS)
-            # A palette of 256 colours: a third of the bytes, and nobody can tell.
+            # A palette of 256 colours takes a third of the bytes without a visible difference.
             picture.quantize(256, dither=Image.Dither.NONE).save(temporary, optimize=True)
             mark = read_mark(Path(figure))
             if mark:
@@ -161,7 +168,7 @@ def _rows(
 def _one(found: pd.DataFrame, path: str, template: Path) -> str:
     """Return the only value of a table with one column."""
     values = found.iloc[:, 0].drop_duplicates()
-    _require(len(values) == 1, f"{len(values)} different values in {path}, not one", template)
+    _require(len(values) == 1, f"{len(values)} different values in {path} instead of one", template)
     return _show(values.iloc[0])
 
 
@@ -171,7 +178,7 @@ def _to_markdown(found: pd.DataFrame) -> str:
 
 
 def _show(value: Any) -> str:
-    """Return a value for people: at most four significant digits, nothing for a missing one.
+    """Return a value as text with at most four significant digits, empty if missing.
 
     >>> [_show(value) for value in (0.123456, 12345, 1234567.8, True, float("nan"), "raw")]
     ['0.1235', '12345', '1.235e+06', 'yes', '', 'raw']
@@ -188,6 +195,6 @@ def _require(holds: bool, found: str, template: Path) -> None:
         raise PageError(
             found,
             where=str(template),
-            expected="a page that uses what its rule gives it",
+            expected="a page that uses the inputs of its rule, and all of its figures",
             remedy="list the file in workflow/rules/results.smk, or correct the template",
         )

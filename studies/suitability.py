@@ -1,4 +1,4 @@
-"""What an analysis meets on raw cells, on cells repaired whole, and on our mesh."""
+"""Fitness for analysis of raw cells, of cells repaired by whole cells, and of our mesh."""
 
 from __future__ import annotations
 
@@ -34,23 +34,23 @@ from tusqh.topology.betti_numbers import BettiNumbers
 RAW, REPAIRED, OURS = "raw cells", "whole cells", "tusqh"
 OWN_THRESHOLD = "chosen"
 
-#: Time steps after which the leak is measured; the heat spreads a third of the way across.
+#: Number of time steps after which the leak is measured; the heat spreads over a third of the mesh.
 _STEPS = 20
 
 
 def compare_suitability(
     cell_sets: CellSets, thresholds: dict[str, float], chosen: BettiNumbers, *, name: str
 ) -> pd.DataFrame:
-    """Return one row per threshold and way to make a mesh of the kept cells.
+    """Return one row per threshold and scheme: a way to make a mesh of the kept cells.
 
     Parameters
     ----------
     cell_sets
         The cells of every threshold.
     thresholds
-        Thresholds by what they are called; ``"chosen"`` is the model's own.
+        Thresholds by name; `OWN_THRESHOLD` is that of the model.
     chosen
-        Betti numbers that the model's own threshold was chosen for.
+        Betti numbers for which the threshold of the model was chosen.
     name
         The model.
 
@@ -58,13 +58,13 @@ def compare_suitability(
     -------
     table
         `model`, `dimension`, `choice` (the threshold's name), `threshold`, `scheme`, `elements`;
-        `pinches` (grid vertices; none in ours); `betti_0..2`, and whether they are `as_chosen`;
+        `pinches` (grid vertices; none in our mesh); `betti_0..2`, and whether they are `as_chosen`;
         `non_manifold_points`, `manifold`;
-        `parts` that only shared facets hold together; `zero_modes` of the Neumann stiffness
+        `parts` that are joined by shared facets; `zero_modes` of the Neumann stiffness
         matrix; `mechanisms`, zero modes of elasticity beyond rigid motions; `condition` of the
         stiffness matrix, scaled by its diagonal, on its range, and the `iterations` of
-        conjugate gradients; `leak`, the share of the heat released in the largest part that
-        ends up in others; `min_scaled_jacobian`; `volume_error` against the winding-number
+        conjugate gradients; `leak`, the share of the heat released in the largest part that flows
+        into others; `min_scaled_jacobian`; `volume_error` against the winding-number
         volume; `cells_added`, `cells_removed`, `sweeps` and `ended` of the repair.
     """
     fractions = cell_sets.fractions
@@ -106,7 +106,7 @@ def compare_suitability(
 
 
 def measure_suitability(mesh: VolumeMesh) -> dict[str, Any]:
-    """Return what an analysis would meet on a mesh, see `compare_suitability`."""
+    """Return the measures of fitness for analysis of a mesh, see `compare_suitability`."""
     n_bad = len(find_non_manifold_points(find_facets(mesh.cells)))
     lumped, of_elements = element_matrices(mesh)
     stiffness = assemble_stiffness(mesh, of_elements)
@@ -131,7 +131,7 @@ def _leak(mesh: VolumeMesh, lumped: FloatArray, stiffness: Any, part: IntArray) 
     """Return the share of the heat of the largest part that diffuses into other parts.
 
     The heat starts at the points that no other part has.  Two parts with no facet in common
-    have no area in common for heat to flow through, so every bit of it is an error.
+    have no common area through which heat could flow, so all of it is an error.
     """
     volumes = element_volumes(mesh.points, mesh.cells)
     in_largest = part == np.append(np.bincount(part, weights=volumes), 0.0).argmax()

@@ -1,7 +1,7 @@
-"""The paper's theorem on gaps, swept: where the result depends on offset or orientation.
+"""A sweep of the paper's theorem on gaps: where the result depends on offset or orientation.
 
-With the closing and opening widths of a patch (`studies.gap_patch`) its outcome at every
-width is known.  For a set of orientations and offsets, the result is certain up to the smallest
+The closing and opening widths of a patch (`studies.gap_patch`) determine its outcome at every
+width.  For a set of orientations and offsets, the result is certain up to the smallest
 closing width (always closed) and beyond the largest opening width (always open); between them,
 the *window*, it depends: on the offset or the orientation, or along the gap itself.
 """
@@ -28,14 +28,14 @@ CLAIMED = {
 }
 ORIENTATION_LIMIT = 0.5
 
-#: Samples along the side of a cell; 0 stands for exact areas and volumes.
+#: Samples along the side of a cell; 0 means exact areas and volumes.
 SAMPLES = {2: (0, 2, 4, 8, 16), 3: (0, 2, 4)}
 
 #: Cells along the gap.
 _LENGTH = {2: 12, 3: 4}
 
-#: Looking closer around an end of a window: from how many orientations, how often, and at which
-#: parts of the last spacing.  With samples the ends are rugged: many orientations are locally best.
+#: The search around an end of a window: number of first orientations, number of rounds, and steps
+#: in parts of the last spacing.  With samples, many orientations are locally best.
 _STARTS = {2: 3, 3: 1}
 _ROUNDS = 7
 _STEPS = {2: np.linspace(-1.0, 1.0, 7), 3: np.linspace(-1.0, 1.0, 3)}
@@ -44,7 +44,7 @@ _TIE = 1e-9
 
 
 def method_name(samples: int) -> str:
-    """Return how fractions are measured, for tables.
+    """Return the name in tables of the way in which fractions are measured.
 
     >>> method_name(0), method_name(4)
     ('exact', 's=4')
@@ -59,8 +59,8 @@ class Widths:
     Parameters
     ----------
     places
-        What names an orientation, shape (m, dim - 1): in 2D the rotation in degrees, in 3D the
-        second and third component of the normal over the first.
+        Coordinates of the orientations, shape (m, dim - 1): in 2D the rotation in degrees, in 3D
+        the second and third component of the normal over the first.
     offsets
         Shape (k,), in cell sizes.
     closing, opening
@@ -113,8 +113,8 @@ def tabulate_orientations(widths: Widths, samples: int) -> pd.DataFrame:
     """Return, for every orientation and rule, the ends of its own window over all offsets.
 
     The columns `smallest_closing` and `largest_opening` bound the widths at which the offset
-    matters at that orientation; `middle_width` and `crossing_width` are what they come to for
-    exact fractions, in closed form: the critical width of a cell centred on the gap, and the
+    matters at that orientation; `middle_width` and `crossing_width` are their values for exact
+    fractions in closed form: the critical width of a cell centred on the gap, and the
     widest gap that a step can cross.
     """
     tables = []
@@ -157,9 +157,9 @@ def crossing_widths(rule: str, normals: FloatArray) -> FloatArray:
 
 
 def tabulate_sweep(widths: Widths, gap_widths: FloatArray, samples: int) -> pd.DataFrame:
-    """Return, for every width and orientation, how many offsets give which outcome.
+    """Return the number of offsets with each outcome, for every width and orientation.
 
-    `depends` says that there are two of them, or one that is mixed along the gap.
+    `depends` states whether there are two outcomes, or one that is mixed along the gap.
     """
     tables = []
     for r, rule in enumerate(RULES):
@@ -180,7 +180,7 @@ def tabulate_sweep(widths: Widths, gap_widths: FloatArray, samples: int) -> pd.D
 
 
 def tabulate_windows(widths: Widths, samples: int) -> pd.DataFrame:
-    """Return the ends of the window of every rule, and where they lie, looked at closely.
+    """Return the ends of the window of every rule, refined, and the orientations they occur at.
 
     The result is always closed up to `lower` and always open beyond `upper`, which is itself in
     the window: with exact fractions because a cell that is just half full is kept.
@@ -216,10 +216,10 @@ def tabulate_windows(widths: Widths, samples: int) -> pd.DataFrame:
 
 
 def list_contradictions(sweep: pd.DataFrame) -> pd.DataFrame:
-    """Return all points of a sweep at which the theorem says the result is certain, and why.
+    """Return the points of a sweep that contradict the theorem, with the reason.
 
     The theorem gives two windows: cells alone (`touching`, `faces`) and with sub-cells
-    (`filtration`, `sub-cells`).  Outside of them every offset must give the same.
+    (`filtration`, `sub-cells`).  Outside of them every offset must give the same result.
     """
     lower = sweep["scheme"].map(lambda rule: CLAIMED[rule][0])
     upper = sweep["scheme"].map(lambda rule: CLAIMED[rule][1])
@@ -238,7 +238,7 @@ def list_contradictions(sweep: pd.DataFrame) -> pd.DataFrame:
 
 
 def _explain(method: str, rule: str, width: float, degrees: float) -> str:
-    """Return why a point contradicts the theorem, from what exact fractions do at it."""
+    """Return the reason why a point contradicts the theorem."""
     normal = normals_of(np.array([[degrees]]))
     closes = critical_width(0.0, normal[0], np.empty(0))
     if closes < width <= crossing_widths(rule, normal)[0] + _TIE:
@@ -254,7 +254,7 @@ def _explain(method: str, rule: str, width: float, degrees: float) -> str:
 def _look_closer(
     widths: Widths, values: FloatArray, sign: int, rule: int, samples: int
 ) -> tuple[float, FloatArray, float]:
-    """Return the largest (sign 1) or smallest (-1) width, around the best one found so far."""
+    """Return the largest (sign 1) or smallest (-1) width near the best one of a sweep."""
     score = (sign * values).max(axis=1)
     found = []
     for start in np.argsort(-score, kind="stable")[: _STARTS[widths.places.shape[1] + 1]]:
@@ -281,7 +281,7 @@ def _spacing(values: FloatArray) -> float:
 
 
 def _into_range(places: FloatArray) -> FloatArray:
-    """Return orientations moved back into the range that is all up to symmetry."""
+    """Return orientations clipped to the range that represents all up to symmetry."""
     if places.shape[1] == 1:
         return np.clip(places, 0.0, 45.0)
     first = np.clip(places[:, 0], 0.0, 1.0)
@@ -296,14 +296,14 @@ def _name_places(places: FloatArray) -> pd.DataFrame:
 def sweep_methods(
     places: FloatArray, offsets: FloatArray, gap_widths: FloatArray
 ) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
-    """Return orientations, sweep and windows, for every way to measure fractions.
+    """Return orientations, sweep and windows for each way to measure fractions.
 
     Parameters
     ----------
     places
         Orientations, see `Widths`.
     offsets
-        Over a period, in cell sizes.
+        Offsets over one period, in cell sizes.
     gap_widths
         Widths of the sweep, in cell sizes.
     """

@@ -1,16 +1,16 @@
 r"""Two blocks that touch at a corner: meshes that never converge (paper: Non-convergence).
 
-Their sides have the slopes -3 and 1; the corner lies at (2/3, 0), or at (1/3, 0)::
+Their sides have the slopes -3 and 1; the corner is at (2/3, 0) or at (1/3, 0)::
 
-        ________      ___          The cell with the corner is 10/18 full when the corner lies
+        ________      ___          The cell with the corner is 10/18 full if the corner is
        |  left  \    / right       2/3 of the way along its bottom side, 7/18 full at 1/3; every
        |_________\  /_______       refinement turns one into the other.
                   \/
                 corner
 
 With *both* corners between the same two blocks, the second upside down and below the first,
-exactly one is joined at a time.  All is cut at a distance of one from the corner, so that
-nothing but the corner is small.
+exactly one is joined at a time.  The blocks are cut at a distance of one from the corner, so that
+only the corner is a small feature.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from tusqh.topology.effective import effective_betti
 #: The corners of each case, by the numerator of their x coordinate over 3.
 CASES = {"2/3": (2,), "1/3": (1,), "both": (2, 1)}
 
-#: Refinements at which the sub-cells are looked at as well; the cells alone at all.
+#: Number of refinements at which the sub-cells are examined too.
 _SUB_CELL_LEVELS = 7
 
 #: Refinements that are drawn.
@@ -45,7 +45,7 @@ _DRAWN_LEVELS = 4
 def blocks_at_corner(thirds: int, *, upside_down: bool = False) -> list[Polygon]:
     """Return the blocks left and right of the corner at (thirds/3, 0), exact.
 
-    Upside down they hang from the line ``y = -1``.
+    Upside down, they are below the line ``y = -1``.
 
     >>> blocks_at_corner(2)[0][1:3]
     [(Fraction(2, 3), 0), (Fraction(1, 3), 1)]
@@ -78,7 +78,7 @@ def grid_of(case: str, level: int) -> BackgroundGrid:
 
 
 def corner_fraction(thirds: int, level: int) -> Fraction:
-    """Return which fraction of the cell with the corner is filled, exactly.
+    """Return the exact fraction of the cell with the corner that is filled.
 
     >>> [str(corner_fraction(2, level)) for level in range(4)]
     ['5/9', '7/18', '5/9', '7/18']
@@ -90,7 +90,7 @@ def corner_fraction(thirds: int, level: int) -> Fraction:
 
 
 def refine(n_refinements: int) -> pd.DataFrame:
-    """Return one row per case and refinement: the corners' cells, and the topology at 1/2.
+    """Return one row per case and refinement: fractions at the corners, and topology at 1/2.
 
     `joined` names the corners whose cell is kept.  `components` and `holes` are those of the
     kept cells, which have no pinches; `sub_cell_components` and `sub_cell_holes` those of the

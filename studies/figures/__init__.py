@@ -1,1 +1,1 @@
-"""Figures of the studies; those of every model are in `tusqh.figures`."""
+"""Figures of the studies; the figures of a model are in `tusqh.figures`."""

@@ -1,4 +1,4 @@
-"""How sub-cells are sampled, and how fractions become a filtered complex, on small examples."""
+"""The samples of sub-cells, and the filtered complex of volume fractions, on small examples."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def _draw_samples(panel: Axes, samples: int, place: tuple[int, int], title: str)
 
 
 def _draw_complex(panel: Axes, complex_: Filtration, title: str) -> None:
-    """Draw the cells of the grid, and what of a complex in the plane is there at the threshold."""
+    """Draw the cells of the grid, and the part of a complex in the plane at the threshold."""
     for (i, j), value in np.ndenumerate(_CELLS):
         colour = style.MATERIAL if value >= _THRESHOLD else "white"
         panel.add_patch(
@@ -92,7 +92,7 @@ def _draw_in_space(panel: Axes, complex_: Filtration) -> None:
 
 
 def _present(complex_: Filtration, k: int, threshold: float = _THRESHOLD) -> IntArray:
-    """Return the k-simplices that are there at the threshold."""
+    """Return the k-simplices of a complex at the threshold."""
     return complex_.simplices[k][complex_.simplex_values(k) >= threshold]
 
 

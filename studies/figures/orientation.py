@@ -1,4 +1,4 @@
-"""How much less the topology depends on the placement of the grid after anti-aliasing."""
+"""The dependence of the topology on the placement of the grid, and its reduction."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _SHIFTS = (-0.1, 0.1, 0.3)
 
 
 def draw_orientation(spread: pd.DataFrame, pooled: pd.DataFrame) -> Figure:
-    """Return the spread, by how much it shrinks, and how many placements agree, model by model.
+    """Return the spread, its relative reduction, and the agreement of placements, for each model.
 
     At the models' chosen thresholds, on the finest grid of the study.
 
@@ -53,7 +53,7 @@ def draw_orientation(spread: pd.DataFrame, pooled: pd.DataFrame) -> Figure:
         axes[0, 1].errorbar(
             values,
             np.append(at, len(models)) + shift,
-            # An interval of percentiles need not hold the value itself.
+            # An interval of percentiles does not always contain the value itself.
             xerr=np.maximum(0, np.stack([values - ends[0], ends[1] - values])),
             capsize=2,
             linewidth=0.9,
@@ -64,7 +64,7 @@ def draw_orientation(spread: pd.DataFrame, pooled: pd.DataFrame) -> Figure:
     axes[0, 0].set_xscale("symlog", linthresh=1)
     axes[0, 0].set_xlabel("spread of Betti numbers [-]")
     axes[0, 1].set_xlabel(
-        "share by which the spread shrinks [-],\n95 % bootstrap interval; below -1 not shown"
+        "relative reduction of the spread [-],\n95 % bootstrap interval; below -1 not shown"
     )
     axes[0, 2].set_xlabel("share of placements with the\nmost frequent topology [-]")
     for panel in axes[0]:

@@ -1,4 +1,4 @@
-"""Tusqh beside other programs on the same dirty surfaces."""
+"""Tusqh and other programs on the same dirty surfaces."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _PANELS = (
 
 
 def draw_peers(table: pd.DataFrame) -> Figure:
-    """Return one panel per measure, one row per model; hollow where the solid is no manifold.
+    """Return one panel per measure, one row per model; hollow markers for non-manifold solids.
 
     Parameters
     ----------
@@ -55,5 +55,7 @@ def draw_peers(table: pd.DataFrame) -> Figure:
         if column == "volume_error":
             panel.set_xscale("symlog", linthresh=0.1)
     figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
-    figure.suptitle("The same dirty surfaces in other programs; hollow: the solid is no manifold")
+    figure.suptitle(
+        "The same dirty surfaces meshed by several programs; hollow markers: non-manifold solid"
+    )
     return figure

@@ -16,7 +16,13 @@ _BOX = ((0.0, 0.0, 0.0), (2.0, 2.0, 2.0))
 
 
 def draw_catalogue(facts: pd.DataFrame, elements: pd.DataFrame) -> Figure:
-    """Return one column per configuration: the cells, then the real meshes of both decisions."""
+    """Return one column per configuration: its cells, and the meshes for both decisions.
+
+    Parameters
+    ----------
+    facts, elements
+        See `studies.pinch_catalogue.tabulate_catalogue`.
+    """
     cases = facts[["dimension", "case"]].drop_duplicates().to_numpy()
     figure, axes = style.new_figure(3, len(cases), width=18.0, height=5.4)
     for column, (dim, case) in enumerate(cases):
@@ -57,7 +63,9 @@ def draw_catalogue(facts: pd.DataFrame, elements: pd.DataFrame) -> Figure:
             surface = surface_of(mesh)
             picture = render(surface, _BOX, size=(360, 360), scalars="rgb", rgb=True, **look)
             show(panel, picture, title)
-    figure.suptitle("The pinch of the plane and the eleven of space, and what the templates make")
+    figure.suptitle(
+        "The pinch of the plane and the eleven pinches of space: raw, separated and connected"
+    )
     return figure
 
 
@@ -67,7 +75,17 @@ def _rows(table: pd.DataFrame, dim: int, case: int, stage: str) -> pd.DataFrame:
 
 
 def draw_panels(facts: pd.DataFrame, shapes: pd.DataFrame, *, columns: int, title: str) -> Figure:
-    """Return panels of meshes with their measured Betti numbers, as many in a row as wanted."""
+    """Return panels of meshes with their measured Betti numbers.
+
+    Parameters
+    ----------
+    facts, shapes
+        Tables with the column `panel`, see `studies.pinch_catalogue.resolve_series`.
+    columns
+        Number of panels in a row.
+    title
+        Title of the figure.
+    """
     n_rows = -(-len(facts) // columns)
     figure, axes = style.new_figure(n_rows, columns, width=4.4 * columns, height=2.1 * n_rows + 1)
     for panel, (_, fact) in zip(axes.ravel(), facts.iterrows(), strict=False):

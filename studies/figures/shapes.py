@@ -14,7 +14,7 @@ from tusqh.figures import style
 from tusqh.grid import FloatArray
 from tusqh.meshes.volume_mesh import BRIDGE, CONNECTING, GRID_CELL, INNER_CELL, KINDS, SEPARATING
 
-#: Fill of elements, by what they are; in the order of the legend.
+#: Colours of elements by their kind, in the order of the legend.
 FILLS = {
     KEPT: style.MATERIAL,
     KINDS[GRID_CELL]: style.MATERIAL,
@@ -26,7 +26,7 @@ FILLS = {
 
 
 def draw_shapes(axes: Axes, shapes: pd.DataFrame, title: str) -> None:
-    """Draw the shapes of one panel at true proportions, lengths in cells of the grid."""
+    """Draw the shapes of one panel with equal axes, in cells of the grid."""
     corners = shapes.filter(regex=r"^[xy]\d$").to_numpy().reshape(len(shapes), 4, 2)
     kind = shapes["shape"].to_numpy()
     for shape, fill in FILLS.items():
@@ -62,7 +62,7 @@ def draw_shapes(axes: Axes, shapes: pd.DataFrame, title: str) -> None:
 
 
 def legend_of(shapes: pd.DataFrame) -> list[Patch | Line2D]:
-    """Return the handles of everything that a table of shapes has."""
+    """Return the legend handles of the kinds of shapes in a table."""
     present = set(shapes["shape"])
     names = {fill: shape for shape, fill in reversed(FILLS.items()) if shape in present}
     handles: list[Patch | Line2D] = [
@@ -90,5 +90,5 @@ def legend_of(shapes: pd.DataFrame) -> list[Patch | Line2D]:
 
 
 def _whole(corners: FloatArray) -> list[FloatArray]:
-    """Return shapes without the corners that they lack."""
+    """Return the shapes without missing corners."""
     return [shape[~np.isnan(shape).any(axis=1)] for shape in corners]

@@ -1,4 +1,4 @@
-"""Which topology a model has at every grid size and threshold, and how robust it is."""
+"""The topology of a model at each grid size and threshold, and its robustness."""
 
 from __future__ import annotations
 

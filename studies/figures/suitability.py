@@ -1,4 +1,4 @@
-"""What an analysis meets on raw cells, on cells repaired whole, and on our meshes."""
+"""Fitness for analysis of raw cells, of cells repaired by whole cells, and of our meshes."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from tusqh.figures import style
 
 _LOOKS = {RAW: (style.OUTLINE, "o"), REPAIRED: (style.BRIDGE, "s"), OURS: (style.CONNECTING, "D")}
 
-#: Columns, what their axes say, and from where on these are logarithmic (None: nowhere).
+#: Columns, labels of their axes, and the value from which the axis is logarithmic (None: linear).
 _PANELS: tuple[tuple[str, str, float | None], ...] = (
     ("non_manifold_points", "non-manifold boundary points [-]", 1.0),
-    ("betti_difference", "Betti numbers off what was chosen,\nsum of differences [-]", 1.0),
+    ("betti_difference", "difference to the chosen Betti\nnumbers, sum [-]", 1.0),
     ("leak", "heat leaked through pinches [-]", 1e-4),
     ("condition", "condition number, scaled [-]", 0.0),
     ("volume_error", "volume / winding volume - 1 [-]", None),
@@ -63,5 +63,5 @@ def draw_suitability(table: pd.DataFrame) -> Figure:
         panel.grid(visible=True, linewidth=0.3)
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
-    figure.suptitle("The same cells as they are, repaired by whole cells, and meshed by tusqh")
+    figure.suptitle("The same kept cells: raw, repaired by whole cells, and meshed by tusqh")
     return figure

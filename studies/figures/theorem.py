@@ -1,4 +1,4 @@
-"""Maps of where the result of a gap depends on offset or orientation."""
+"""Maps of the gap widths at which the result depends on offset or orientation."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def draw_map(sweep: pd.DataFrame, orientations: pd.DataFrame) -> Figure:
         Line2D([], [], color="black", label="closed form"),
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=5, frameon=False)
-    figure.suptitle("A gap between half-planes, threshold 1/2; meshes are as the filtration")
+    figure.suptitle("A gap between half-planes at threshold 1/2; meshes agree with the filtration")
     return figure
 
 
@@ -80,7 +80,7 @@ def draw_windows(windows: pd.DataFrame) -> Figure:
     figure, axes = style.new_figure(1, 2, width=11.0, height=5.0)
     for panel, (dim, table) in zip(axes[0], windows.groupby("dimension"), strict=True):
         methods = list(dict.fromkeys(table["method"]))
-        order = [*methods[1:], methods[0]]  # Ever more samples, exact at the end.
+        order = [*methods[1:], methods[0]]  # By number of samples, exact fractions last.
         for k, rule in enumerate(TITLES):
             for end, filled in (("lower", False), ("upper", True)):
                 rows = table[(table["scheme"] == rule) & (table["end"] == end)]
@@ -115,7 +115,9 @@ def draw_windows(windows: pd.DataFrame) -> Figure:
         for k, (rule, title) in enumerate(TITLES.items())
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False)
-    figure.suptitle("Ends of the window: below the hollow markers closed, above the full ones open")
+    figure.suptitle(
+        "Ends of the window: closed below the hollow markers, open above the filled ones"
+    )
     return figure
 
 

@@ -56,9 +56,9 @@ def area_in_boxes(polygon: Polygon, x: Any, y: Any, size: Any) -> Any:
 
 
 def _negligible(number: Any) -> float:
-    """Return below what a side is upright or level, so that rounding does not blow up in floats.
+    """Return the limit below which a side counts as vertical or horizontal, against rounding.
 
-    What it leaves out is less than a thousandth of the resolution of fractions.
+    The error is less than a thousandth of the resolution of fractions.
     """
     return 1e-8 if isinstance(number, float) else 0.0
 
@@ -104,7 +104,7 @@ def exact_cell_fractions(polygons: Sequence[Polygon], grid: BackgroundGrid) -> F
 
 
 def _fill(polygons: Sequence[Polygon], grid: BackgroundGrid, parts: int) -> FloatArray:
-    """Return which fraction of every part of a cell is filled, looking near each polygon only."""
+    """Return the filled fraction of each part of each cell, computed near the polygons only."""
     size = grid.cell_size / parts
     filled = np.zeros(tuple(parts * n for n in grid.shape))
     for polygon in polygons:

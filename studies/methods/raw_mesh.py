@@ -1,4 +1,4 @@
-"""Kept cells exactly as they are, pinches and all: their mesh and their topology."""
+"""The mesh and the topology of kept cells whose pinches are not resolved."""
 
 from __future__ import annotations
 
@@ -16,8 +16,7 @@ def raw_mesh(
 ) -> VolumeMesh:
     """Return one element per kept cell, sharing the grid vertices between them.
 
-    What any code would make that keeps cells and resolves nothing: the boundary need not be a
-    manifold, and parts may hang together by a vertex or an edge.
+    The boundary is not always a manifold, and parts can be joined by a vertex or an edge only.
 
     Parameters
     ----------
@@ -50,9 +49,9 @@ def raw_mesh(
 
 
 def closed_betti(kept: BoolArray) -> BettiNumbers:
-    """Return the Betti numbers of kept cells as they are, joined wherever they touch.
+    """Return the Betti numbers of kept cells that are joined wherever they touch.
 
-    A neighbourhood of the cells is the same as the cells with all pinches connected.
+    They are those of the cells with all pinches connected.
 
     >>> str(closed_betti(np.eye(3, dtype=bool)))
     '(1, 0, 0)'

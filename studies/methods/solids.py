@@ -1,4 +1,4 @@
-"""What any solid of hexes or tetrahedra is like: topology, volume, worst element, boundary fit."""
+"""Measures of a solid of hexes or tetrahedra: topology, volume, worst element, boundary fit."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tusqh.meshes.manifold import find_non_manifold_points
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.topology.betti_numbers import BettiNumbers
 
-#: Random points on a surface, from which distances to another one are measured.
+#: Number of random points on a surface from which distances to another one are measured.
 _N_POINTS = 20_000
 
 _TET_EDGES = np.array([[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]])
@@ -63,13 +63,13 @@ def describe_solid(points: FloatArray, cells: IntArray, *, cell_size: float) -> 
     cells
         Hexes (m, 8) or tetrahedra (m, 4), VTK order.
     cell_size
-        Of the lattice that hexes lie on which are no manifold.
+        Edge length of the lattice of hexes; used only if they are non-manifold.
 
     Returns
     -------
     measures
-        `elements`, `kind`; `manifold`; `betti_0..2` (missing for tetrahedra that are no
-        manifold); `volume` in model units cubed; `worst_scaled_jacobian` by VTK, 1 for a cube
+        `elements`, `kind`; `manifold`; `betti_0..2` (missing for non-manifold
+        tetrahedra); `volume` in model units cubed; `worst_scaled_jacobian` by VTK, 1 for a cube
         and a regular tetrahedron.
     """
     is_hex = cells.shape[1] == 8
@@ -95,7 +95,7 @@ def describe_solid(points: FloatArray, cells: IntArray, *, cell_size: float) -> 
 
 
 def measure_fit(points: FloatArray, cells: IntArray, soup: Soup) -> dict[str, float]:
-    """Return how far the boundary of a solid and a surface are apart, in model units.
+    """Return the distances between the boundary of a solid and a surface, in model units.
 
     `boundary_mean`, `boundary_max`: from the boundary to the surface; `surface_mean`,
     `surface_max`: from the surface to the boundary; over random points of known seed.

@@ -1,7 +1,7 @@
-"""Q1 matrices of any mesh, sound or not, and what a solver meets in them.
+"""Q1 mass and stiffness matrices of any mesh, sound or not, and properties that affect solvers.
 
-MFEM is given sound meshes only (`tusqh.simulate.mfem_mesh`), and this experiment is about those
-that are not, so mass and stiffness are summed up here; on sound meshes they equal MFEM's.
+MFEM accepts sound meshes only (`tusqh.meshes.mfem_mesh`), so the matrices of other meshes are
+assembled here; on sound meshes they equal those of MFEM.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _MAX_ITERATIONS = 5000
 def element_matrices(mesh: VolumeMesh) -> tuple[FloatArray, FloatArray]:
     """Return the lumped mass and the stiffness matrix of every element.
 
-    Gauss points as MFEM takes them: two along every axis in 2D, three in 3D.
+    The Gauss points are those of MFEM: two along each axis in 2D, three in 3D.
 
     Returns
     -------
@@ -74,7 +74,7 @@ def estimate_condition(stiffness: csr_matrix) -> tuple[float, int]:
     Conjugate gradients with Jacobi's preconditioner are Lanczos' iteration in disguise: their
     coefficients are a tridiagonal matrix whose extreme eigenvalues approach those of the scaled
     matrix (Golub and Van Loan, Matrix Computations, 11.3).  The right-hand side is in the range,
-    so the zero eigenvalues never show.
+    so the zero eigenvalues do not appear.
 
     Parameters
     ----------
@@ -137,11 +137,11 @@ def label_parts(mesh: VolumeMesh) -> tuple[IntArray, int]:
 
 
 def count_mechanisms(mesh: VolumeMesh) -> int:
-    """Return how many ways the elastic mesh can move beyond the rigid motions of its components.
+    """Return the number of zero modes of an elastic mesh beyond rigid motions of its components.
 
-    Parts that only a vertex or an edge holds together turn about it at no energy: zero
-    eigenvalues of the stiffness matrix of elasticity that no boundary condition was meant for.
-    Every part moves rigidly; every point that two parts share must move as one.
+    Parts that are joined by a vertex or an edge only can rotate about it without energy: additional
+    zero eigenvalues of the stiffness matrix of elasticity.  The count assumes that each part moves
+    rigidly, and that each point shared by parts moves with all of them.
     """
     part, n_parts = label_parts(mesh)
     dim, n_rigid = mesh.dim, mesh.dim * (mesh.dim + 1) // 2
@@ -177,7 +177,7 @@ def _rigid_motions(points: FloatArray) -> FloatArray:
 
 
 def points_of(mesh: VolumeMesh, elements: BoolArray) -> BoolArray:
-    """Return which points some elements have, shape (n_points,)."""
+    """Return whether each point belongs to some elements, shape (n_points,)."""
     is_used = np.zeros(len(mesh.points), dtype=bool)
     is_used[mesh.cells[elements].ravel()] = True
     return is_used

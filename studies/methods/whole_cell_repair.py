@@ -1,6 +1,6 @@
-"""Pinches repaired as Sculpt does it: by whole cells, added and removed until none is left.
+"""Repair of pinches by adding and removing whole cells, as Sculpt does.
 
-Owen et al. (2017) describe the idea, not the rules; these are the plainest ones.  At every pinch
+Owen et al. (2017) describe the idea but no rules; these are the simplest ones.  At every pinch
 in turn, the cells around the vertex become the nearest neighbourhood without a pinch: the one
 that is cheapest when changing a cell costs the distance of its fraction to the threshold.  That
 may make new pinches beside it, so the sweep over all vertices is repeated.
@@ -16,10 +16,10 @@ import numpy as np
 from tusqh.antialias.pinches import find_pinches, pinch_table
 from tusqh.grid import BoolArray, FloatArray
 
-#: A repair that is not done after so many sweeps goes round in circles.
+#: A repair that has not ended after this many sweeps repeats itself.
 MAX_SWEEPS = 100
 
-#: What changing a cell costs at least, so that of equally likely repairs the smallest is taken.
+#: Least cost of changing a cell, so that the smallest of equally good repairs is taken.
 _LEAST_COST = 2.0**-20
 
 
@@ -36,7 +36,7 @@ class Repair:
     has_ended
         Whether no pinch is left.
     changes
-        Changes made in all; a cell may change more than once.
+        Number of all changes; a cell can change more than once.
     """
 
     kept: BoolArray
@@ -88,7 +88,7 @@ def repair_by_cells(kept: BoolArray, fractions: FloatArray, *, threshold: float)
 
 @numba.njit(cache=True)
 def _sweep(kept, cost, lowest, offsets, is_pinch, max_sweeps):  # type: ignore[no-untyped-def]
-    """Change `kept` in place; return sweeps that changed something, and changes."""
+    """Change `kept` in place; return the number of sweeps with changes, and of changes."""
     n_around, n_changes = len(offsets), 0
     for sweep in range(max_sweeps):
         n_before = n_changes

@@ -1,4 +1,4 @@
-"""The crate, judged by programs that others wrote."""
+"""The crate is valid for programs that others wrote."""
 
 import io
 import json
@@ -13,7 +13,7 @@ from provenance.stored import read_records
 PROFILE = "provenance-run-crate"
 
 
-def test_the_validator_is_content(project, monkeypatch, tmp_path):
+def test_the_validator_finds_no_issue(project, monkeypatch, tmp_path):
     assert find_issues(project / "results", PROFILE, monkeypatch, tmp_path) == []
 
 
@@ -21,7 +21,7 @@ def test_the_validator_is_content(project, monkeypatch, tmp_path):
     ("kind", "key"),
     [("HowToStep", "workExample"), ("OrganizeAction", "instrument"), ("Dataset", "mainEntity")],
 )
-def test_the_validator_would_notice(project, monkeypatch, tmp_path, kind, key):
+def test_the_validator_notices_a_missing_property(project, monkeypatch, tmp_path, kind, key):
     small = tmp_path / "crate"
     small.mkdir()
     crate = json.loads((project / "results/ro-crate-metadata.json").read_text())
@@ -57,7 +57,7 @@ def test_runcrate_reads_every_step_with_its_files(project):
 def test_sources_have_their_licence_and_stay_outside(project):
     crate = json.loads((project / "results/ro-crate-metadata.json").read_text())
     entities = {entity["@id"]: entity for entity in crate["@graph"]}
-    assert len(entities) == len(crate["@graph"]), "every id stands once"
+    assert len(entities) == len(crate["@graph"]), "ids are unique"
     sources = [e for e in entities.values() if e["@id"].startswith("ni:///sha-256;")]
     licences = {e["name"]: e.get("license") for e in sources}
     assert licences["data_sources/plate.svg"] == "BSD-3-Clause"

@@ -1,4 +1,4 @@
-"""Pages made of a template: what they quote, what they may not, and the committed one."""
+"""Pages made from a template: the tables and figures that it can and cannot use."""
 
 import re
 from pathlib import Path

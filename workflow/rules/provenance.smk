@@ -1,4 +1,4 @@
-# What the results claim, and what they are for programs that know nothing of tusqh.
+# Claims about the results, and the description of the results as an RO-Crate.
 
 
 rule claims:

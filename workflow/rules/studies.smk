@@ -1,4 +1,4 @@
-# Experiments on the configured models: what an analysis meets on them, and what depends on the grid.
+# Studies of the configured models: fitness for analysis, and dependence on the grid.
 rule suitability:
     input:
         **files("fractions", "selection"),
