@@ -39,12 +39,18 @@ def import_or_require(name):
         return require(name.partition(".")[0], str(error).splitlines()[0])
 
 
-def find_browser(playwright):
+def find_browser():
     """Return the path of a Chromium on this machine: the system's, or else playwright's own."""
-    for path in (*map(shutil.which, BROWSERS), playwright.chromium.executable_path):
-        if path and Path(path).is_file():
-            return path
-    return require("chromium", "there is no browser")
+    for path in filter(None, map(shutil.which, BROWSERS)):
+        return path
+    from playwright.sync_api import sync_playwright
+
+    try:
+        with sync_playwright() as playwright:
+            path = Path(playwright.chromium.executable_path)
+    except Exception as error:  # Its driver needs system libraries too.
+        return require("chromium", f"there is no browser, and playwright says: {error}")
+    return str(path) if path.is_file() else require("chromium", "there is no browser")
 
 
 def require_rendering():

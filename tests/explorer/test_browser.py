@@ -33,8 +33,9 @@ ATTACK = "</script><script>document.title = 'taken'</script><img src=x onerror=a
 
 @pytest.fixture(scope="module")
 def browser():
+    path = find_browser()
     with sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=find_browser(playwright), args=FLAGS)
+        opened = playwright.chromium.launch(executable_path=path, args=FLAGS)
         yield opened
         opened.close()
 
