@@ -16,7 +16,7 @@ from tusqh.quality.system_libraries import SystemLibraryError, check_rendering
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 #: What a test can need, and how to get it.
 REMEDIES = {
-    "chromium": "apt-get install chromium, or python -m playwright install --with-deps chromium",
+    "chromium": "apt-get install chromium libatomic1 (or playwright install --with-deps chromium)",
     "pymeshlab": "apt-get install libgl1 libopengl0",
     "EGL": "apt-get install libegl1",
 }
@@ -25,7 +25,7 @@ REMEDIES = {
 def require(name, problem):
     """End a test that needs something which is missing: skipped, or failed in CI."""
     remedy = REMEDIES.get(name, "pip install -r requirements.lock")
-    message = f"needs {name}: {problem} (to get it: {remedy})"
+    message = f"needs {name}: {problem}; to get it: {remedy}"
     if os.environ.get("CI", "").lower() in ("", "0", "false"):
         pytest.skip(message, allow_module_level=True)
     pytest.fail(message, pytrace=False)
