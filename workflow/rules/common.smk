@@ -53,7 +53,7 @@ try:
         BASE / "workflow/claims.yaml", BASE / "workflow/schemas/claims.schema.yaml"
     )
 except TusqhError as error:
-    raise WorkflowError(f"configuration error in {error}")
+    raise WorkflowError(f"configuration error: {error}")
 
 if describe_missing():
     logger.warning(describe_missing())
