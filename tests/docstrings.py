@@ -25,9 +25,18 @@ class PublicDocstrings(DocstringVisitor):
         # numpydoc does not see the fields of a dataclass.
         if isinstance(node, ast.ClassDef) and check in {"PR01", "PR02"}:
             return True
+        # The docstring of a command is its help; its options have sentences of their own.
+        if check == "PR01" and is_command(Path(self.filepath), node):
+            return True
         if check == "RT01" and says_what_it_returns(node):
             return True
         return super()._ignore_issue(node, check)
+
+
+def is_command(path, node):
+    """Return whether a function is a command of the command line."""
+    is_function = isinstance(node, ast.FunctionDef)
+    return is_function and path.parent.name in {"cli", "commands"} and node.name == path.stem
 
 
 def is_hidden(stack):

@@ -21,12 +21,18 @@ def stop_if_interrupted() -> None:
 
 
 def to_exit_code(code: str | int | None) -> str | int | None:
-    """Return the exit code of a command: where it was stopped 128 and the signal, as in shells."""
+    """Return the exit code of a command; of one that was stopped 128 plus the signal, as in shells.
+
+    Parameters
+    ----------
+    code
+        The exit code without a signal.
+    """
     return 128 + _caught[0] if _caught else code
 
 
 def _stop(number: int, _frame: object) -> None:
-    if _caught:  # Asked twice: at once.
+    if _caught:  # The second signal ends the process immediately.
         os._exit(128 + number)
     _caught.append(number)
     os.write(2, b"interrupted: unfinished files are removed, existing ones stay as they were\n")

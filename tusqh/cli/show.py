@@ -12,7 +12,14 @@ from rich.table import Table
 def show(frame: pd.DataFrame, *, title: str) -> None:
     """Print a table; numbers with six digits, nothing where there is no number.
 
-    Names from files are shown as they are: nothing in them is taken for markup.
+    Names from files are shown unchanged; nothing in them is interpreted as markup.
+
+    Parameters
+    ----------
+    frame
+        The table.
+    title
+        Its title.
     """
     table = Table(title=title, title_justify="left")
     for k, column in enumerate(frame.columns):
@@ -23,7 +30,13 @@ def show(frame: pd.DataFrame, *, title: str) -> None:
 
 
 def report_error(message: str) -> None:
-    """Print an error on the standard error stream, its lines as they are."""
+    """Print an error on the standard error stream, with its lines unchanged.
+
+    Parameters
+    ----------
+    message
+        The message.
+    """
     console = Console(stderr=True, markup=False, highlight=False)
     console.print(message, style="red", soft_wrap=True)
 

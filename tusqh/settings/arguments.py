@@ -90,6 +90,8 @@ def arguments_of(section: type[Section]) -> dict[str, Argument]:
     section
         The section.
 
+    Examples
+    --------
     >>> from tusqh.settings.model import Settings
     >>> list(arguments_of(Settings))[:3]
     ['cells', 'cell_size', 'samples']
@@ -106,6 +108,8 @@ def options_of(section: type[Section]) -> list[Argument]:
     section
         The section.
 
+    Examples
+    --------
     >>> from tusqh.settings.voxels import Voxels
     >>> [argument.option for argument in options_of(Voxels)]
     ['--voxel-size', '--empty', '--full']

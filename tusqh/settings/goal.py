@@ -74,6 +74,8 @@ class Target(Section):
         ValueError
             It is something else; the message says what is expected.
 
+        Examples
+        --------
         >>> Target.from_argument((1, None, {"max": 2}))
         {'betti_0': 1, 'betti_2': {'max': 2}}
         """
@@ -92,6 +94,8 @@ class Target(Section):
         text
             Numbers and ranges, with commas between them.
 
+        Examples
+        --------
         >>> Target.from_option("1,0..2,*")
         {'betti_0': 1, 'betti_1': {'min': 0, 'max': 2}}
         """

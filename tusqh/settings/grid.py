@@ -88,6 +88,8 @@ class Window(Section):
         ValueError
             It is something else; the message says what is expected.
 
+        Examples
+        --------
         >>> Window.from_argument([(0, 0), (4, 3)])
         {'lower': (0, 0), 'upper': (4, 3)}
         """
@@ -113,6 +115,8 @@ class Window(Section):
         ValueError
             It is something else; the message says what is expected.
 
+        Examples
+        --------
         >>> Window.from_option("0,0,4,3")
         {'lower': [0.0, 0.0], 'upper': [4.0, 3.0]}
         """

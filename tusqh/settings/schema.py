@@ -44,6 +44,8 @@ def inner_type(hint: Any) -> Any:
     hint
         The type.
 
+    Examples
+    --------
     >>> inner_type(int | None)
     <class 'int'>
     """

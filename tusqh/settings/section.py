@@ -98,6 +98,8 @@ def to_plain(value: Any) -> Any:
     value
         A section, a mapping, a sequence, an array, a number or text.
 
+    Examples
+    --------
     >>> to_plain({"cells": (60, 79), "cell_size": None})
     {'cells': [60, 79]}
     """

@@ -83,6 +83,8 @@ def refuse_unknown(where: str, name: str, allowed: list[str], *, kind: str = "ke
     kind
         What kind of name it is.
 
+    Examples
+    --------
     >>> print(refuse_unknown("a.yaml: models.a", "sampels", ["grid", "samples"]))
     a.yaml: models.a: unknown key 'sampels'
       expected: one of grid, samples
@@ -156,6 +158,8 @@ def describe_rule(schema: Mapping, definitions: Mapping) -> str:
     definitions
         What its references name, from ``$defs``.
 
+    Examples
+    --------
     >>> describe_rule({"type": "number", "exclusiveMinimum": 0, "maximum": 1}, {})
     'a number above 0 and at most 1'
     >>> describe_rule({"type": "array", "minItems": 2, "items": {"type": "integer"}}, {})
@@ -220,6 +224,8 @@ def from_text(value: Any, schema: Mapping, definitions: Mapping) -> Any:
     definitions
         What references name, from ``$defs``.
 
+    Examples
+    --------
     >>> from_text({"a": "2", "b": "2"}, {"properties": {"a": {"type": "number"}}}, {})
     {'a': 2.0, 'b': '2'}
     """
