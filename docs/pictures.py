@@ -93,7 +93,7 @@ def draw_curves() -> Figure:
             label=rf"$\beta_{k}$: {style.DIMENSION_NAMES[k]}",
         )
     chosen = result.selection
-    axes[0, 1].axvspan(chosen.lower, chosen.upper, color="black", alpha=0.08)
+    axes[0, 1].axvspan(*chosen.interval[:2], color="black", alpha=0.08)
     axes[0, 1].axvline(chosen.threshold, color="black", linewidth=0.8)
     axes[0, 1].set_yticks(range(4))
     axes[0, 1].set_xlabel("threshold (volume fraction)")

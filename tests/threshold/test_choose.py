@@ -37,7 +37,7 @@ def mesh_of(fractions, chosen):
 def test_a_hole_is_found_where_it_lives():
     chosen, candidates = choose(make_fractions(CELLS), target={"betti_0": 1, "betti_1": 1})
     assert (chosen.threshold, chosen.margin, chosen.cell_margin) == (0.375, 0.125, 0.125)
-    assert (chosen.lower, chosen.upper, chosen.unexamined) == (0.25, 0.5, 0)
+    assert chosen.interval == (0.25, 0.5, 0.125, 0)
     assert chosen.predicted == chosen.raw == (1, 1, 0)
     assert candidates["status"].tolist() == ["chosen"]
 
@@ -68,7 +68,7 @@ def test_thresholds_out_of_range(threshold):
 
 def test_a_fixed_threshold_says_how_far_it_can_move():
     chosen, candidates = choose(make_fractions(CELLS), threshold=0.3)
-    assert (chosen.lower, chosen.upper) == (0.25, 0.5)
+    assert chosen.interval[:2] == (0.25, 0.5)
     assert chosen.margin == pytest.approx(0.05)
     assert len(candidates) == 0
 
@@ -287,8 +287,8 @@ def test_a_given_threshold_examines_its_own_interval_only(monkeypatch):
                 assert chosen.resolved is None
                 if holds.any():
                     row = intervals[holds].iloc[0]
-                    assert (chosen.lower, chosen.upper) == (row["lower"], row["upper"])
-                    assert chosen.unexamined == row["unexamined"]
+                    assert chosen.interval[:2] == (row["lower"], row["upper"])
+                    assert chosen.interval.unexamined == row["unexamined"]
             assert limit < 1000 or len(examined._rows) < len(examined)
 
 

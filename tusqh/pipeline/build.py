@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -30,14 +31,20 @@ class Built:
         The volume fractions that were cut at it.
     resolved
         The mesh with its cells, decisions, bridges, and the features removed and filled.
-    facts
-        Plain numbers about the mesh, which tables quote.
     """
 
     selection: Selection
     fractions: VolumeFractions
     resolved: Resolved
-    facts: dict[str, Any]
+
+    @cached_property
+    def facts(self) -> dict[str, Any]:
+        """Plain numbers about the mesh, which tables quote."""
+        return {
+            "threshold": self.selection.threshold,
+            "margin": self.selection.margin,
+            **describe_mesh(self.resolved, self.fractions),
+        }
 
     @property
     def mesh(self) -> VolumeMesh:
@@ -101,11 +108,6 @@ def build(fractions: VolumeFractions, selection: Selection, *, name: str = "mode
     """
     resolved = selection.resolved
     if resolved is None or resolved.mesh.name != name:
-        cells = CellSets(fractions, selection.policy).at(selection.threshold)
+        cells = selection.cells or CellSets(fractions, selection.policy).at(selection.threshold)
         resolved = build_mesh(cells, fractions.grid, name=name)
-    facts = {
-        "threshold": selection.threshold,
-        "margin": selection.margin,
-        **describe_mesh(resolved, fractions),
-    }
-    return Built(selection, fractions, resolved, facts)
+    return Built(selection, fractions, resolved)

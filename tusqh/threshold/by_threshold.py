@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pandas as pd
 
@@ -10,18 +12,19 @@ from tusqh.threshold.candidates import rank_candidates
 from tusqh.threshold.describe_choice import describe_choice
 from tusqh.threshold.errors import nothing_kept, threshold_out_of_range
 from tusqh.threshold.plateaus import BETTI, PREDICTED, Plateaus
-from tusqh.threshold.selection import Selection
+from tusqh.threshold.selection import Interval, Selection
+from tusqh.topology.betti_numbers import BettiNumbers
 
 
 def take_threshold(
     plateaus: Plateaus, threshold: float, *, name: str
 ) -> tuple[Selection, pd.DataFrame]:
-    """Return a given threshold with the interval in which it can move; nothing is meshed.
+    """Return a given threshold; nothing is meshed, and its interval is found when needed.
 
     Parameters
     ----------
     plateaus
-        The plateaus of the threshold; only those of the interval are examined.
+        The plateaus of the threshold; those of the interval are examined when it is needed.
     threshold
         Volume fraction in (0, 1].
     name
@@ -43,17 +46,33 @@ def take_threshold(
     cells = cell_sets.at(threshold)
     if not cells.kept.any():
         raise nothing_kept(cell_sets, threshold, name)
-    row = plateaus.find_interval(threshold)
-    if row is None or tuple(row[BETTI]) != tuple(cells.predicted):
-        row = _unexamined_plateau(cell_sets, threshold)
-    row["threshold"] = threshold
-    row["margin"] = min(threshold - row["lower"], row["upper"] - threshold)
-    row["cell_margin"] = float(np.abs(cell_sets.levels - threshold).min())
     selection = describe_choice(
-        plateaus, row, cells, wanted=f"the threshold {threshold:g}", reason="given"
+        plateaus,
+        {
+            "threshold": threshold,
+            "cell_margin": float(np.abs(cell_sets.levels - threshold).min()),
+        },
+        cells,
+        wanted=f"the threshold {threshold:g}",
+        reason="given",
+        find_interval=partial(_find_interval, plateaus, threshold, cells.predicted),
     )
     none = pd.DataFrame(columns=PREDICTED, dtype=float)
     return selection, rank_candidates(none, pd.Series(dtype=bool))
+
+
+def _find_interval(plateaus: Plateaus, threshold: float, betti: BettiNumbers) -> Interval:
+    """Return the interval in which a threshold can move with the same Betti numbers."""
+    row = plateaus.find_interval(threshold)
+    if row is None or tuple(row[BETTI]) != tuple(betti):
+        row = _unexamined_plateau(plateaus.cell_sets, threshold)
+    lower, upper = float(row["lower"]), float(row["upper"])
+    return Interval(
+        lower=lower,
+        upper=upper,
+        margin=min(threshold - lower, upper - threshold),
+        unexamined=float(row["unexamined"]),
+    )
 
 
 def _unexamined_plateau(cell_sets: CellSets, threshold: float) -> pd.Series:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from functools import partial
 
 import pandas as pd
@@ -13,17 +14,18 @@ from tusqh.settings.policy import Policy
 from tusqh.threshold.candidates import rank_candidates
 from tusqh.threshold.goals import matches
 from tusqh.threshold.plateaus import Plateaus
-from tusqh.threshold.selection import Selection
+from tusqh.threshold.selection import Interval, Selection
 from tusqh.topology.betti_numbers import BettiNumbers
 
 
 def describe_choice(
     plateaus: Plateaus,
-    row: pd.Series,
+    row: Mapping[str, float] | pd.Series,
     cells: CellSet,
     *,
     wanted: str,
     reason: str,
+    find_interval: Callable[[], Interval] | None = None,
     policy: Policy | None = None,
     resolved: Resolved | None = None,
 ) -> Selection:
@@ -34,7 +36,9 @@ def describe_choice(
     plateaus
         The plateaus of the threshold.
     row
-        The candidate: `threshold`, `lower`, `upper`, `margin`, `cell_margin`, `unexamined`.
+        The candidate: `threshold`, `cell_margin`, `lower`, `upper`, `margin`, `unexamined`.
+    find_interval
+        Computes the last four of these, where the candidate does not have them.
     cells
         Its cells.
     wanted, reason
@@ -47,23 +51,25 @@ def describe_choice(
     threshold = float(row["threshold"])
     return Selection(
         threshold=threshold,
-        lower=float(row["lower"]),
-        upper=float(row["upper"]),
-        margin=float(row["margin"]),
         cell_margin=float(row["cell_margin"]),
-        unexamined=float(row["unexamined"]),
         wanted=wanted,
         raw=plateaus.cell_sets.topology.betti_at(threshold),
         predicted=cells.predicted,
         reason=reason,
         policy=policy or plateaus.cell_sets.policy,
+        find_interval=find_interval or partial(_interval_of, row),
         find_without_features=(
             partial(_list_without_features, plateaus, cells.predicted)
             if len(cells.features)
             else str
         ),
+        cells=cells,
         resolved=resolved,
     )
+
+
+def _interval_of(row: Mapping[str, float] | pd.Series) -> Interval:
+    return Interval(**{key: float(row[key]) for key in Interval._fields})
 
 
 def _list_without_features(plateaus: Plateaus, betti: BettiNumbers) -> str:

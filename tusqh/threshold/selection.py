@@ -7,11 +7,31 @@ import json
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
+from tusqh.antialias.cells import CellSet
 from tusqh.antialias.resolve import Resolved
 from tusqh.settings.policy import Policy
 from tusqh.topology.betti_numbers import BettiNumbers
+
+
+class Interval(NamedTuple):
+    """An interval of thresholds with the same Betti numbers.
+
+    Parameters
+    ----------
+    lower, upper
+        Every examined threshold ``t`` with ``lower < t <= upper`` has them.
+    margin
+        Distance of the chosen threshold to the nearer end.
+    unexamined
+        Width within the interval that no examined plateau covers.
+    """
+
+    lower: float
+    upper: float
+    margin: float
+    unexamined: float
 
 
 @dataclasses.dataclass(frozen=True)
@@ -22,14 +42,8 @@ class Selection:
     ----------
     threshold
         Dimensionless, in (0, 1].
-    lower, upper
-        Every examined threshold ``t`` with ``lower < t <= upper`` has the same Betti numbers.
-    margin
-        Distance of the threshold to the nearer end of that interval.
     cell_margin
         Distance to the nearest fraction of a cell or sub-cell, where the cells may change.
-    unexamined
-        Width within the interval that no examined plateau covers.
     wanted
         What was asked for, in words.
     raw
@@ -40,27 +54,37 @@ class Selection:
         One sentence for people.
     policy
         What was done about pinches and small features, which may differ from the settings.
-    find_without_features
-        Computes `without_features`.
+    find_interval, find_without_features
+        Compute `interval` and `without_features`.
+    cells
+        The cells, where they are known; they are not stored in files.
     resolved
         The mesh, where one was made to verify the choice; it is not stored in files.
     """
 
     threshold: float
-    lower: float
-    upper: float
-    margin: float
     cell_margin: float
-    unexamined: float
     wanted: str
     raw: BettiNumbers
     predicted: BettiNumbers
     reason: str
     policy: Policy
+    find_interval: Callable[[], Interval] = dataclasses.field(compare=False, repr=False)
     find_without_features: Callable[[], str] = dataclasses.field(
         default=str, compare=False, repr=False
     )
+    cells: CellSet | None = dataclasses.field(default=None, compare=False, repr=False)
     resolved: Resolved | None = dataclasses.field(default=None, compare=False, repr=False)
+
+    @cached_property
+    def interval(self) -> Interval:
+        """The interval around the threshold; for a given threshold its plateaus are examined."""
+        return self.find_interval()
+
+    @property
+    def margin(self) -> float:
+        """Distance of the threshold to the nearer end of the interval."""
+        return self.interval.margin
 
     @cached_property
     def without_features(self) -> str:
@@ -75,11 +99,8 @@ class Selection:
         """Return the selection as plain values for JSON, without the mesh."""
         return {
             "threshold": self.threshold,
-            "lower": self.lower,
-            "upper": self.upper,
-            "margin": self.margin,
+            **self.interval._asdict(),
             "cell_margin": self.cell_margin,
-            "unexamined": self.unexamined,
             "wanted": self.wanted,
             "raw": list(self.raw),
             "predicted": list(self.predicted),
@@ -102,7 +123,12 @@ class Selection:
         for key in ("raw", "predicted"):
             given[key] = BettiNumbers(*given[key])
         given["policy"] = Policy.from_dict(given["policy"])
-        return cls(**given, find_without_features=lambda: without_features)
+        interval = Interval(**{key: given.pop(key) for key in Interval._fields})
+        return cls(
+            **given,
+            find_interval=lambda: interval,
+            find_without_features=lambda: without_features,
+        )
 
 
 def load_selection(path: Path) -> Selection:

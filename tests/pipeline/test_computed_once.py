@@ -1,0 +1,104 @@
+"""In one call of `tusqh.mesh` nothing is computed twice, and nothing that was not asked for."""
+
+import sys
+from collections import Counter
+
+import pytest
+import trimesh
+
+import tusqh
+from tusqh.antialias.cells import CellSets
+from tusqh.antialias.resolve import build_mesh, resolve
+from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
+from tusqh.meshes.checks import check_mesh
+from tusqh.meshes.facets import find_facets
+from tusqh.meshes.jacobians import corner_jacobians, element_volumes
+from tusqh.pipeline.ingest import describe_geometry
+from tusqh.topology.curves import tabulate_curves
+from tusqh.topology.persistence import pair_by_gudhi
+from tusqh.topology.union_find import merge_components
+
+GOALS = {
+    "threshold": {"threshold": 0.5},
+    "target": {"betti": (1, 1, 0)},
+    "persistence": {"persistence": 0.3},
+    "volume": {"volume": "match"},
+    "criteria": {"threshold": 0.5, "components": {"min_persistence": 0.1}},
+}
+
+
+class Calls:
+    """Counts the calls of functions, whatever name they were imported by."""
+
+    def __init__(self, *functions):
+        self.names = {function.__code__: function.__name__ for function in functions}
+        self.counts = Counter()
+        self.facets_of = Counter()
+        self.kept_alive = []
+
+    def __enter__(self):
+        sys.setprofile(self._note)
+        return self
+
+    def __exit__(self, *reason):
+        sys.setprofile(None)
+
+    def _note(self, frame, event, argument):
+        name = self.names.get(frame.f_code) if event == "call" else None
+        if name is not None:
+            self.counts[name] += 1
+        if name == "find_facets":
+            cells = frame.f_locals["cells"]
+            self.kept_alive.append(cells)  # So that no other array gets its id.
+            self.facets_of[id(cells)] += 1
+
+
+@pytest.fixture(scope="module")
+def torus():
+    return trimesh.creation.torus(10.0, 3.5, major_sections=24, minor_sections=12)
+
+
+@pytest.mark.parametrize("goal", GOALS)
+def test_every_fact_is_computed_once(torus, goal):
+    with Calls(
+        build_mesh,
+        resolve,
+        find_facets,
+        check_mesh,
+        betti_by_euler,
+        betti_by_boundary,
+        corner_jacobians,
+        element_volumes,
+        merge_components,
+        tabulate_curves,
+        describe_geometry,
+        pair_by_gudhi,
+        CellSets.at,
+    ) as calls:
+        result = tusqh.mesh(torus, cells=10, **GOALS[goal])
+    counts = calls.counts
+    assert set(calls.facets_of.values()) == {1}
+    n_meshes = len(result.choice.candidates) if goal == "volume" else 1
+    for name in ("build_mesh", "resolve", "check_mesh", "betti_by_euler", "betti_by_boundary"):
+        assert counts[name] == n_meshes, name
+    for name in ("corner_jacobians", "element_volumes"):
+        assert counts[name] == n_meshes, name
+    assert counts["merge_components"] <= 2
+    assert counts["tabulate_curves"] == 1
+    assert counts["describe_geometry"] == 0
+    assert counts["pair_by_gudhi"] == (goal == "persistence")
+    n_plateaus = len(result.choice.plateaus)
+    if "threshold" in GOALS[goal]:
+        assert counts["at"] == 1
+    else:
+        assert n_plateaus < counts["at"] <= n_plateaus + n_meshes
+
+
+def test_tables_are_computed_once_when_they_are_asked_for(torus):
+    result = tusqh.mesh(torus, cells=10)
+    with Calls(describe_geometry, pair_by_gudhi, CellSets.at, merge_components) as calls:
+        for name in ("defects", "diagram", "curves", "topologies"):
+            assert getattr(result, name) is getattr(result, name)
+    assert calls.counts["describe_geometry"] == calls.counts["pair_by_gudhi"] == 1
+    assert calls.counts["at"] == len(result.topologies)
+    assert calls.counts["merge_components"] == 0
