@@ -10,7 +10,7 @@ from rich.table import Table
 
 
 def show(frame: pd.DataFrame, *, title: str) -> None:
-    """Print a table; numbers with six digits, nothing where there is no number.
+    """Print a table; numbers have six digits, missing numbers stay empty.
 
     Names from files are shown unchanged; nothing in them is interpreted as markup.
 

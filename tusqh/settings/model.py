@@ -35,8 +35,8 @@ class Settings(Section):
         "How volume fractions are sampled.", default=Sampling, is_inline=True
     )
     window: Window | None = setting(
-        "Box to mesh in, `{lower: [x, y], upper: [x, y]}` (in 3D with z); there is no material "
-        "beyond it.",
+        "Box to mesh in, `{lower: [x, y], upper: [x, y]}` (in 3D with z); everything outside "
+        "counts as empty.",
         default=None,
         otherwise="the bounding box",
         unit="units of the geometry",
