@@ -4,12 +4,12 @@ Paper: Anti-aliasing, "for resolving archipelagos"; algorithm 5.  Two kinds:
 
 * A *path* of grid edges that runs through empty cells from one component to another; all its
   edges, and the vertices between them, are interior (``F >= threshold``).
-* A *pinch* whose own sub-cell is exterior, so that it was separated, although both edges beside
-  it, around one of its empty cells, are interior: its cluster connects after all.
+* A *pinch* that was separated because its own sub-cell is exterior, although both edges around one
+  of its empty cells are interior: its cluster connects instead.
 
-The shortest come first, and a pinch is shortest of all.  A path needs room: the cells that it
-touches must be empty and free of other templates, and at each end it attaches to a side of a
-kept cell that no separating template has taken.
+Pinches come first, then paths from short to long.  A path needs room: the cells that it touches
+must be empty and free of other templates, and at each end it attaches to a side of a kept cell
+whose vertices are not separated.
 """
 
 from __future__ import annotations
@@ -31,7 +31,18 @@ from tusqh.settings.policy import BridgeMode
 from tusqh.topology.effective import label_components
 
 #: Columns of the table of bridges.
-COLUMNS = ["kind", "edges", "length", "cells_a", "cells_b", "x_a", "y_a", "x_b", "y_b", "status"]
+BRIDGE_COLUMNS = [
+    "kind",
+    "edges",
+    "length",
+    "cells_a",
+    "cells_b",
+    "x_a",
+    "y_a",
+    "x_b",
+    "y_b",
+    "status",
+]
 
 ACCEPTED = "accepted"
 NO_ROOM = "not joined: no room for templates"
@@ -104,18 +115,18 @@ def join_components(
         components, end points, and whether it was accepted.
     """
     if mode == "none" or kept.ndim != 2:
-        return at_vertex, [], pd.DataFrame(columns=COLUMNS)
+        return at_vertex, [], pd.DataFrame(columns=BRIDGE_COLUMNS)
     labels, n_components = label_components(kept, at_vertex == CONNECT)
     joiner = _Joiner(labels, n_components, grid, joins_all=mode == "all")
     at_vertex = _join_pinches(joiner, kept, at_vertex, values >= threshold)
     edges = _interior_edges(kept, at_vertex, values >= threshold)
     bridges = _join_paths(joiner, kept, at_vertex, edges)
     _report_unjoined(joiner, edges)
-    return at_vertex, bridges, pd.DataFrame(joiner.rows, columns=COLUMNS)
+    return at_vertex, bridges, pd.DataFrame(joiner.rows, columns=BRIDGE_COLUMNS)
 
 
 class _Joiner:
-    """The components, which of them are joined by now, and the table so far."""
+    """The components, which of them have been joined, and the rows of the table."""
 
     def __init__(
         self, labels: IntArray, n_components: int, grid: BackgroundGrid, *, joins_all: bool
@@ -149,7 +160,7 @@ class _Joiner:
         n_edges = len(vertices) - 1
         numbers = [n_edges, n_edges * self.grid.cell_size, self.n_cells[a], self.n_cells[b]]
         row = [kind, *numbers, *ends.ravel().tolist(), status]
-        self.rows.append(dict(zip(COLUMNS, row, strict=True)))
+        self.rows.append(dict(zip(BRIDGE_COLUMNS, row, strict=True)))
         return len(self.rows) - 1
 
 
@@ -194,7 +205,7 @@ def _interior_edges(kept: BoolArray, at_vertex: NDArray[np.int8], is_interior: B
     usable = is_interior[::2, ::2] | touches
     ends, beside, attaches = [], [], []
     for axis in range(2):
-        # Seen along the axis; edges on the border of the grid are left out.
+        # The axis comes first; edges on the border of the grid are left out.
         interior = np.moveaxis(is_interior, axis, 0)[1::2, 2:-2:2]
         empty = ~np.moveaxis(kept, axis, 0)
         at_ends = np.moveaxis(usable, axis, 0)[:, 1:-1]
@@ -216,9 +227,9 @@ def _interior_edges(kept: BoolArray, at_vertex: NDArray[np.int8], is_interior: B
 def _join_paths(
     joiner: _Joiner, kept: BoolArray, at_vertex: NDArray[np.int8], edges: _Edges
 ) -> list[Bridge]:
-    """Accept paths, the shortest first, each with cells of its own."""
+    """Accept paths that share no cells, the shortest first."""
     around_vertex = _cells_at_vertices(kept.shape)
-    is_taken = np.zeros(kept.size + 1, dtype=bool)  # The last one stands for outside the grid.
+    is_taken = np.zeros(kept.size + 1, dtype=bool)  # The last entry is outside the grid.
     is_taken[around_vertex[at_vertex.ravel() == CONNECT].ravel()] = True
     component = joiner.component_at_vertex()
     is_end = component > 0
@@ -293,7 +304,7 @@ def _report_unjoined(joiner: _Joiner, edges: _Edges) -> None:
 def _cells_at_vertices(shape: tuple[int, ...]) -> IntArray:
     """Return the flat cells around every flat vertex, shape (n_vertices, 4).
 
-    The number of cells stands for a cell outside the grid.
+    Cells outside the grid have the number ``n_cells``.
     """
     n_cells = int(np.prod(shape))
     from_end = np.arange(n_cells).reshape(shape) - n_cells  # 0 outside the grid.

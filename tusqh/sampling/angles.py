@@ -5,8 +5,8 @@ The half solid angle of a triangle is the argument of a complex number (van Oost
 one arctangent per point instead of one per point and triangle, in loops that compilers turn into
 vector instructions.  Whole turns are counted at the crossings of the negative real axis.
 
-All compiled functions that call one another stand in this file: numba's cache on disk notices a
-changed file, not a changed callee in another one (`tests/test_structure.py`).
+All compiled functions that call one another are in this file: numba's cache on disk notices a
+changed file, but not a changed callee in another file (`tests/test_structure.py`).
 """
 
 from __future__ import annotations
@@ -14,14 +14,16 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-#: Factors that are multiplied before the product is scaled back: at coordinates in steps of the
-#: lattice, up to 1e6 of them, no product of so many over- or underflows.
+from tusqh.sampling.kernel_arguments import Ball, Points
+
+#: Factors that are multiplied before the product is scaled back: with coordinates of up to 1e6
+#: steps of the lattice, no product of this many factors over- or underflows.
 _FACTORS = 8
 #: Angles up to this are summed by their series.
 _SMALL = 0.3
 #: Distance of a block's centre to a triangle, in sides of the block, from which it is far.
 FAR = 1.5
-#: From so many far triangles on, filling the inside of a block from its surface pays.
+#: Number of far triangles from which filling the inside of a block from its surface is faster.
 _MANY = 24
 #: Terms that are added in single precision before they join the sum in double precision.
 _PARTS = 16
@@ -69,31 +71,29 @@ def _segment_number(corner, n_x, n_z, x, z):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _wind(  # type: ignore[no-untyped-def]
-    p_x, p_y, p_z, n, corners, multiplicity, chosen, work, winding
-):
-    """Add the winding numbers of chosen triangles or segments at points anywhere.
+def _wind(points, n, pieces, chosen, work, winding):  # type: ignore[no-untyped-def]
+    """Add the winding numbers of chosen pieces at points anywhere.
 
-    On a triangle it counts as half a turn to the positive side, on its corners and in line with it
-    as nothing.
+    A point on a triangle gets +1/2 from it; at a corner, or in the triangle's plane outside it, the
+    contribution is 0.
 
     Parameters
     ----------
-    p_x, p_y, p_z
-        Coordinates of the points in steps of the lattice, shape (k,), of which `n` count.
+    points
+        `Points`, of which the first `n` count.
     n
         Number of points.
-    corners
-        Triangles, shape (m, 3, 3), or segments in the plane y = 0, shape (m, 2, 3).
-    multiplicity
-        How often each counts, shape (m,).
+    pieces
+        `Pieces`.
     chosen
         Numbers of those to add.
     work
-        Scratch, shape (5, k).
+        Scratch, shape (5, k) with k at least n.
     winding
         Added to, shape (k,), dimensionless.
     """
+    p_x, p_y, p_z = points.x, points.y, points.z
+    corners, multiplicity = pieces.corners, pieces.multiplicity
     x, y, turns, real, imaginary = work[0], work[1], work[2], work[3], work[4]
     for k in range(n):
         x[k], y[k], turns[k] = 1.0, 0.0, 0.0
@@ -127,34 +127,29 @@ def _wind(  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
-def _wind_from_afar(  # type: ignore[no-untyped-def]
-    p_x, p_y, p_z, radius, clearance, c_x, c_y, c_z, corners, multiplicity, middle, reach,
-    chosen, winding,
-):  # fmt: skip
-    """Add the winding numbers of triangles or segments, in single precision where they are small.
+def _wind_from_afar(points, ball, pieces, chosen, winding):  # type: ignore[no-untyped-def]
+    """Add the winding numbers of far pieces, in single precision where they are small.
 
     Parameters
     ----------
-    p_x, p_y, p_z
-        Coordinates of the points from the centre of a ball, in steps of the lattice, shape (n,).
-    radius
-        Radius of the ball that holds the points.
-    clearance
-        All of those chosen keep at least this distance from the ball.
-    c_x, c_y, c_z
-        The centre of the ball, in steps of the lattice from the first sample.
-    corners, multiplicity, chosen
+    points
+        `Points` in the ball, from its centre.
+    ball
+        A `Ball` that all chosen pieces are far from.
+    pieces, chosen
         As in `_wind`.
-    middle, reach
-        Centre of each triangle or segment, shape (m, 3), and its radius, shape (m,).
     winding
         Added to, shape (n,), dimensionless.
 
     Notes
     -----
-    An angle below `_SMALL` is the sum of its series, right to 3e-7 of itself; single precision
-    takes a quarter of the time.  Larger ones are left to `_wind`.
+    An angle below `_SMALL` is the sum of its series, with a relative error of 3e-7; single
+    precision takes a quarter of the time.  Larger angles are left to `_wind`.
     """
+    p_x, p_y, p_z = points.x, points.y, points.z
+    c_x, c_y, c_z, radius, clearance = ball.x, ball.y, ball.z, ball.radius, ball.clearance
+    corners, multiplicity = pieces.corners, pieces.multiplicity
+    middle, reach = pieces.middle, pieces.reach
     n = len(p_x)
     x, y, z = p_x.astype(np.float32), p_y.astype(np.float32), p_z.astype(np.float32)
     n_corners = corners.shape[1]
@@ -172,10 +167,8 @@ def _wind_from_afar(  # type: ignore[no-untyped-def]
         # Half of the greatest solid angle of that area; the greatest angle of that length.
         largest = size / (4 * distance * distance) if n_corners == 3 else size / distance
         if largest > _SMALL:
-            _wind(
-                p_x + c_x, p_y + c_y, p_z + c_z, n, corners, multiplicity, chosen[c : c + 1],
-                np.empty((5, n)), winding,
-            )  # fmt: skip
+            moved = Points(p_x + c_x, p_y + c_y, p_z + c_z)
+            _wind(moved, n, pieces, chosen[c : c + 1], np.empty((5, n)), winding)
             continue
         factor = np.float32(multiplicity[t] / (2 * np.pi))
         n_x, n_y, n_z = np.float32(m_x), np.float32(m_y), np.float32(m_z)
@@ -217,20 +210,35 @@ def _scale(x, y, n):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy", parallel=True)
-def add_far(  # type: ignore[no-untyped-def]
-    corners, multiplicity, middle, reach, lowest, size, at_x, at_y, at_z, surface, inside, fill,
-    far, far_start, values, is_single,
-):  # fmt: skip
-    """Add the triangles that are far from each block at its nodes.
+def add_far(pieces, blocks, nodes, far, values, is_single):  # type: ignore[no-untyped-def]
+    """Add the pieces that are far from each block at its nodes.
 
-    Where there are many, only at the nodes on its surface: `fill` gives the values inside.
+    Where there are many, only at the nodes on the surface: `NodeTables.fill` gives those inside.
+
+    Parameters
+    ----------
+    pieces
+        `Pieces`.
+    blocks
+        `Blocks`.
+    nodes
+        `NodeTables`.
+    far
+        `Lists` of the far pieces of each block.
+    values
+        Winding numbers at the nodes, added to, shape (n_blocks, n_nodes), dimensionless.
+    is_single
+        Whether single precision suffices.
     """
+    lowest, size = blocks.lowest, blocks.size
+    at_x, at_y, at_z = nodes.x, nodes.y, nodes.z
+    surface, inside, fill = nodes.surface, nodes.inside, nodes.fill
     n = values.shape[1]
     n_y, n_z = len(at_y), len(at_z)
     radius = 0.5 * size[0] * np.sqrt(3.0 if n_y > 1 else 2.0)
     clearance = FAR * size[0] - radius
     for r in numba.prange(len(values)):
-        chosen = far[far_start[r] : far_start[r + 1]]
+        chosen = far.pieces[far.start[r] : far.start[r + 1]]
         if len(chosen) == 0:
             continue
         is_filled = len(chosen) >= _MANY
@@ -244,15 +252,12 @@ def add_far(  # type: ignore[no-untyped-def]
         centre = lowest[r] + 0.5 * size
         winding = np.zeros(n_points)
         if is_single:
-            _wind_from_afar(
-                points[0], points[1], points[2], radius, clearance, centre[0], centre[1], centre[2],
-                corners, multiplicity, middle, reach, chosen, winding,
-            )  # fmt: skip
+            ball = Ball(centre[0], centre[1], centre[2], radius, clearance)
+            near_centre = Points(points[0], points[1], points[2])
+            _wind_from_afar(near_centre, ball, pieces, chosen, winding)
         else:
-            _wind(
-                points[0] + centre[0], points[1] + centre[1], points[2] + centre[2], n_points,
-                corners, multiplicity, chosen, np.empty((5, n_points)), winding,
-            )  # fmt: skip
+            moved = Points(points[0] + centre[0], points[1] + centre[1], points[2] + centre[2])
+            _wind(moved, n_points, pieces, chosen, np.empty((5, n_points)), winding)
         if not is_filled:
             for k in range(n):
                 values[r, k] += winding[k]
@@ -268,13 +273,28 @@ def add_far(  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy", parallel=True)
-def add_near(  # type: ignore[no-untyped-def]
-    corners, multiplicity, blocks, side, begin, half, first, last, near, near_start, sums
-):
-    """Add the triangles that are near each block at its samples, and those to half-blocks."""
+def add_near(pieces, blocks, side, samples, near, sums):  # type: ignore[no-untyped-def]
+    """Add the pieces that are near each block at its samples, summed over half-blocks.
+
+    Parameters
+    ----------
+    pieces
+        `Pieces`.
+    blocks
+        Lowest half-block of each block, shape (n_blocks, 3).
+    side
+        Half-blocks along each side of a block, shape (3,).
+    samples
+        `Samples`.
+    near
+        `Lists` of the near pieces of each block.
+    sums
+        Sums over the samples of each half-block, added to, dimensionless.
+    """
+    begin, half, first, last = samples.begin, samples.half, samples.first, samples.last
     size = side * half
     for r in numba.prange(len(blocks)):
-        chosen = near[near_start[r] : near_start[r + 1]]
+        chosen = near.pieces[near.start[r] : near.start[r + 1]]
         if len(chosen) == 0:
             continue
         n_max = size[0] * size[1] * size[2]
@@ -296,9 +316,7 @@ def add_near(  # type: ignore[no-untyped-def]
                         )
                         n += 1
         winding = np.zeros(n_max)
-        _wind(
-            points[0], points[1], points[2], n, corners, multiplicity, chosen,
-            np.empty((5, n_max)), winding,
-        )  # fmt: skip
+        at = Points(points[0], points[1], points[2])
+        _wind(at, n, pieces, chosen, np.empty((5, n_max)), winding)
         for k in range(n):
             sums[place[k, 0], place[k, 1], place[k, 2]] += winding[k]

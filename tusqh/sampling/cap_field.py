@@ -21,105 +21,23 @@ the block's centre ``rho`` is at least 3.9, in the corner towards the triangle (
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cache
-
 import numba
 import numpy as np
 
 from tusqh.grid import FloatArray, IntArray
 from tusqh.sampling.angles import FAR, add_far, add_near
+from tusqh.sampling.block_nodes import BlockNodes, interpolation, nodes_for
 from tusqh.sampling.closing import Chain
+from tusqh.sampling.kernel_arguments import Blocks, Lists, Pieces, Samples
 from tusqh.sampling.lattice import Lattice
 
-#: Samples along the side of the smallest block, about; its near triangles are exact.
+#: Approximate number of samples along the side of the smallest block, whose near triangles are
+#: evaluated exactly.
 _LEAF = 8
-#: Convergence of the interpolation per node at that distance.
-_RHO = 3.9
-#: Error of the interpolation at N nodes over ``_RHO ** -N``, with a margin (measured).
-_ERROR = 0.15
-#: Up to so many triangles, another digit or two cost little.
+#: Below this number of triangles a tighter tolerance is cheap, so it is used.
 _FEW, _TIGHT = 100, 1e-7
-#: Tolerance from which single precision is right.
+#: Tolerance from which single precision suffices.
 _SINGLE = 2e-7
-
-
-def nodes_for(tolerance: float) -> int:
-    """Return how many nodes along an axis keep the error of fractions below a tolerance.
-
-    >>> [nodes_for(10.0**-k) for k in (4, 6, 8, 10)]
-    [6, 9, 13, 16]
-    """
-    return max(3, int(np.ceil(np.log(_ERROR / tolerance) / np.log(_RHO))))
-
-
-@dataclass(frozen=True)
-class _Nodes:
-    """The nodes of a block, per axis and all together, and what is done with their values.
-
-    Parameters
-    ----------
-    places
-        For each axis the nodes in [0, 1].
-    counts
-        Nodes along each axis, shape (3,).
-    halves
-        For each axis matrices, shape (2, n, n), from values at nodes to those at the nodes of the
-        lower and the upper half; shape (1, 1, 1) for the axis of a single layer.
-    surface, inside
-        Numbers of the nodes on the surface and inside, in C order.
-    fill
-        From values on the surface to those inside, of harmonic functions: shape (on it, inside).
-    """
-
-    places: list[FloatArray]
-    counts: IntArray
-    halves: list[FloatArray]
-    surface: IntArray
-    inside: IntArray
-    fill: FloatArray
-
-    @classmethod
-    @cache
-    def of(cls, n: int, is_plane: bool) -> _Nodes:
-        """Return n nodes along each axis, one along the axis of a single layer."""
-        counts = np.array([n, 1 if is_plane else n, n])
-        line = -np.cos(np.pi * np.arange(n) / (n - 1))
-        places = [np.array([0.5]) if m == 1 else (line + 1) / 2 for m in counts]
-        halves = [
-            np.ones((1, 1, 1))
-            if m == 1
-            else np.stack([_interpolation(n, (line + o) / 2) for o in (-1, 1)])
-            for m in counts
-        ]
-        # Second derivatives at the nodes; harmonic: those along all axes add up to zero inside.
-        basis = np.polynomial.chebyshev.Chebyshev
-        second = np.stack([basis.basis(k).deriv(2)(line) for k in range(n)], axis=1)
-        second = second @ np.linalg.inv(np.polynomial.chebyshev.chebvander(line, n - 1))
-        one = np.eye(n)
-        if is_plane:
-            laplacian = np.kron(second, one) + np.kron(one, second)
-        else:
-            laplacian = (
-                np.kron(np.kron(second, one), one)
-                + np.kron(np.kron(one, second), one)
-                + np.kron(np.kron(one, one), second)
-            )
-        index = np.stack(np.unravel_index(np.arange(counts.prod()), counts), axis=1)
-        is_end = ((index == 0) | (index == n - 1)) & (counts > 1)
-        surface = np.flatnonzero(is_end.any(axis=1))
-        inside = np.flatnonzero(~is_end.any(axis=1))
-        fill = -np.linalg.solve(
-            laplacian[np.ix_(inside, inside)], laplacian[np.ix_(inside, surface)]
-        )
-        return cls(places, counts, halves, surface, inside, np.ascontiguousarray(fill.T))
-
-
-def _interpolation(n: int, places: FloatArray) -> FloatArray:
-    """Return the matrix from values at n nodes to values at places in [-1, 1]."""
-    nodes = -np.cos(np.pi * np.arange(n) / (n - 1))
-    inverse = np.linalg.inv(np.polynomial.chebyshev.chebvander(nodes, n - 1))
-    return np.asarray(np.polynomial.chebyshev.chebvander(places, n - 1) @ inverse)
 
 
 def add_cap(
@@ -144,7 +62,7 @@ def add_cap(
         return
     if len(cap) <= _FEW:
         tolerance = min(tolerance, _TIGHT)
-    nodes = _Nodes.of(nodes_for(tolerance), lattice.is_plane)
+    nodes = BlockNodes.of(nodes_for(tolerance), lattice.is_plane)
     leaf = np.maximum(1, 2 ** np.floor(np.log2(np.maximum(_LEAF / lattice.half, 1)))).astype(int)
     if lattice.is_plane:
         leaf[1] = 1
@@ -152,37 +70,29 @@ def add_cap(
     sides = [leaf]
     while (sides[0] < shape).any():
         sides.insert(0, np.where(nodes.counts > 1, 2 * sides[0], 1))
-    at_x, at_y, at_z = nodes.places
     middle = cap.corners.mean(axis=1)
     reach = np.linalg.norm(cap.corners - middle[:, None], axis=2).max(axis=1)
+    pieces = Pieces(cap.corners, cap.multiplicity, middle, reach)
+    samples = Samples(begin, lattice.half, lattice.first, lattice.last)
     blocks = np.zeros((1, 3), dtype=np.int64)
     values = np.zeros((1, int(nodes.counts.prod())))
-    near, near_start = np.arange(len(cap)), np.array([0, len(cap)])
+    near = Lists(np.arange(len(cap)), np.array([0, len(cap)]))
     for level, side in enumerate(sides):
         lowest = (blocks + np.array([begin, 0, 0])) * lattice.half - 0.5
         size = side * lattice.half
         is_leaf = level == len(sides) - 1
-        far, far_start, near, near_start = _split_lists(
-            cap.corners, middle, reach, lowest + size / 2, float(size.max()), near, near_start
-        )
-        add_far(
-            cap.corners, cap.multiplicity, middle, reach, lowest, size, at_x, at_y, at_z,
-            nodes.surface, nodes.inside, nodes.fill, far, far_start, values, tolerance >= _SINGLE,
-        )  # fmt: skip
-        is_done = np.diff(near_start) == 0
+        far, near = _split_lists(pieces, lowest + size / 2, float(size.max()), near)
+        at = Blocks(lowest, size)
+        add_far(pieces, at, nodes.tables, far, values, tolerance >= _SINGLE)
+        is_done = np.diff(near.start) == 0
         to_x, to_y, to_z = _weights(lattice, side, begin, end, nodes.counts)
         _add_polynomials(
             blocks, side, to_x, to_y, to_z, is_done | is_leaf, nodes.counts, values, sums
         )
         if is_leaf:
-            add_near(
-                cap.corners, cap.multiplicity, blocks, side, begin, lattice.half, lattice.first,
-                lattice.last, near, near_start, sums,
-            )  # fmt: skip
+            add_near(pieces, blocks, side, samples, near, sums)
         else:
-            blocks, values, near, near_start = _halve(
-                blocks, values, near, near_start, sides[level + 1], shape, nodes
-            )
+            blocks, values, near = _halve(blocks, values, near, sides[level + 1], shape, nodes)
 
 
 def _weights(
@@ -196,7 +106,7 @@ def _weights(
         start = begin if axis == 0 else 0
         sample = np.arange(n_blocks * half)
         in_block = (sample % (side[axis] * half) + 0.5) / (side[axis] * half)
-        of_sample = _interpolation(n, 2 * in_block - 1) if n > 1 else np.ones((len(sample), 1))
+        of_sample = interpolation(n, 2 * in_block - 1) if n > 1 else np.ones((len(sample), 1))
         absolute = sample + start * half
         counts = (absolute >= lattice.first[axis]) & (absolute < lattice.last[axis])
         weights.append((of_sample * counts[:, None]).reshape(n_blocks, half, n).sum(axis=1))
@@ -206,14 +116,13 @@ def _weights(
 def _halve(
     blocks: IntArray,
     values: FloatArray,
-    near: IntArray,
-    near_start: IntArray,
+    near: Lists,
     side: IntArray,
     shape: IntArray,
-    nodes: _Nodes,
-) -> tuple[IntArray, FloatArray, IntArray, IntArray]:
+    nodes: BlockNodes,
+) -> tuple[IntArray, FloatArray, Lists]:
     """Return the halves inside the lattice of the blocks with near triangles, as a new level."""
-    parents = np.flatnonzero(np.diff(near_start))
+    parents = np.flatnonzero(np.diff(near.start))
     offsets = np.stack(
         np.meshgrid(*[np.arange(len(h)) for h in nodes.halves], indexing="ij"), axis=-1
     ).reshape(-1, 3)
@@ -225,18 +134,19 @@ def _halve(
     n_threads = numba.get_num_threads()
     order = np.concatenate([np.arange(k, len(parent), n_threads) for k in range(n_threads)])
     parent, which, children = parent[order], which[order], children[is_inside][order]
-    length = np.diff(near_start)[parent]
+    length = np.diff(near.start)[parent]
     start = np.concatenate([[0], np.cumsum(length)])
     at_x, at_y, at_z = nodes.halves
     inherited = _inherit(values, parent, which, at_x, at_y, at_z, nodes.counts)
-    return children, inherited, _copy_lists(near, near_start, parent, start), start
+    return children, inherited, Lists(_copy_lists(near, parent, start), start)
 
 
 @numba.njit(cache=True, error_model="numpy", parallel=True)
-def _copy_lists(near, near_start, parent, start):  # type: ignore[no-untyped-def]
+def _copy_lists(near, parent, start):  # type: ignore[no-untyped-def]
     copied = np.empty(start[-1], dtype=np.int64)
     for r in numba.prange(len(parent)):
-        copied[start[r] : start[r + 1]] = near[near_start[parent[r]] : near_start[parent[r] + 1]]
+        first, last = near.start[parent[r]], near.start[parent[r] + 1]
+        copied[start[r] : start[r + 1]] = near.pieces[first:last]
     return copied
 
 
@@ -302,10 +212,10 @@ def _distance(p, corner):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy", parallel=True)
-def _split_lists(  # type: ignore[no-untyped-def]
-    corners, middle, reach, centre, side, listed, start
-):
-    """Split each block's triangles into those far from it and those near."""
+def _split_lists(pieces, centre, side, lists):  # type: ignore[no-untyped-def]
+    """Split the list of each block into the pieces far from it and those near."""
+    corners, middle, reach = pieces.corners, pieces.middle, pieces.reach
+    listed, start = lists.pieces, lists.start
     n = len(centre)
     is_far = np.empty(len(listed), dtype=np.bool_)
     n_far = np.zeros(n + 1, dtype=np.int64)
@@ -334,7 +244,7 @@ def _split_lists(  # type: ignore[no-untyped-def]
             else:
                 near_list[m] = listed[c]
                 m += 1
-    return far_list, far_start, near_list, near_start
+    return Lists(far_list, far_start), Lists(near_list, near_start)
 
 
 @numba.njit(cache=True, error_model="numpy", parallel=True)

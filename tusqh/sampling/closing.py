@@ -61,6 +61,18 @@ class Chain:
 def close(geometry: Soup | Outline) -> tuple[Chain, Chain]:
     """Return a closed cycle and a cap whose sum is the geometry.
 
+    Parameters
+    ----------
+    geometry
+        A soup or an outline; nothing about it is assumed.
+
+    Returns
+    -------
+    cycle
+        A chain without a boundary.
+    cap
+        The rest, as small as a few rules make it.
+
     Examples
     --------
     A sheet is its own cap; the ends of an open polygon are joined.

@@ -64,7 +64,17 @@ def correct_sides(chain: Chain, lattice: Lattice, begin: int, end: int, sums: Fl
 
     A sample within rounding of a cap sees half a turn of it; counting put it on one side, and the
     sign of its angle on one side too.  Where the two differ, the angle is a whole turn off.
-    Parameters are those of `add_crossings`.
+
+    Parameters
+    ----------
+    chain
+        A cap, with coordinates in steps of the lattice from its first sample.
+    lattice
+        The samples.
+    begin, end
+        Range of half-blocks along x.
+    sums
+        Sums over the samples of each half-block, shape (end - begin, n_y, n_z); added to.
     """
     if len(chain) == 0:
         return
@@ -131,7 +141,7 @@ def _pass(a, x, y):  # type: ignore[no-untyped-def]
         m = (k + 1) % 3
         if (a[k, 1] <= y) == (a[m, 1] <= y):
             continue
-        # Looked at from its lower end, an edge says the same to both triangles.
+        # Orient each edge from its lower end so that both adjacent triangles get the same sign.
         b, c = (k, m) if a[k, 1] <= y else (m, k)
         left = (a[c, 0] - a[b, 0]) * (y - a[b, 1]) - (a[c, 1] - a[b, 1]) * (x - a[b, 0])
         side = -1 if left > 0 else 1

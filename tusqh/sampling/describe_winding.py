@@ -19,7 +19,7 @@ def describe_winding(geometry: Geometry, *, n: int = 32) -> pd.DataFrame:
     Parameters
     ----------
     geometry
-        The geometry, as it is.
+        The geometry.
     n
         Samples along the longest side of the bounding box.
 

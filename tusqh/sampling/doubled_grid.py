@@ -50,6 +50,16 @@ def average_half_blocks(slabs: Iterable[FloatArray], lattice: Lattice) -> Multip
 def combine_half_blocks(means: FloatArray) -> Multiples:
     """Return the means over the fictitious cells of means over half-blocks, as multiples.
 
+    Parameters
+    ----------
+    means
+        Means over half-blocks, shape ``2 n``, dimensionless.
+
+    Returns
+    -------
+    multiples
+        Multiples of `RESOLUTION`, shape ``2 n + 1``, int32.
+
     Examples
     --------
     >>> fractions = combine_half_blocks(np.array([[1.0, 0.0], [1.0, 0.0]])) * RESOLUTION
@@ -65,7 +75,18 @@ def combine_half_blocks(means: FloatArray) -> Multiples:
 
 
 def average_coverage(lattice: Lattice) -> Multiples:
-    """Return the share of samples that count in each fictitious cell, as `average_half_blocks`."""
+    """Return the share of samples that count in each fictitious cell, as `average_half_blocks`.
+
+    Parameters
+    ----------
+    lattice
+        The samples.
+
+    Returns
+    -------
+    multiples
+        Multiples of `RESOLUTION`, shape ``2 n + 1``, int32.
+    """
     pairs = [np.convolve(share, [0.5, 0.5]) for share in lattice.coverage()]
     if lattice.is_plane:
         product = pairs[0][:, None] * pairs[2]

@@ -36,11 +36,25 @@ class WindingField(Protocol):
         """Return sums over the samples of the half-blocks ``begin <= i < end`` along x.
 
         Shape (end - begin, n_y, n_z); samples that do not count add nothing.
+
+        Parameters
+        ----------
+        lattice
+            The samples.
+        begin, end
+            Range of half-blocks along x.
         """
 
 
 def wind_on_lattice(field: WindingField, lattice: Lattice) -> FloatArray:
     """Return the winding number at every sample of a lattice, shape of the lattice.
+
+    Parameters
+    ----------
+    field
+        The winding number of a geometry.
+    lattice
+        The samples.
 
     Examples
     --------
@@ -69,7 +83,7 @@ def make_field(
     Parameters
     ----------
     geometry
-        The geometry, as it is.
+        The geometry.
     sampler
         ``"crossings"`` or ``"libigl"``.
     tolerance
@@ -109,7 +123,20 @@ class CrossingField:
     tolerance: float
 
     def sums(self, lattice: Lattice, begin: int, end: int) -> FloatArray:
-        """Return sums over half-blocks, see `WindingField`."""
+        """Return sums over half-blocks, see `WindingField`.
+
+        Parameters
+        ----------
+        lattice
+            The samples.
+        begin, end
+            Range of half-blocks along x.
+
+        Returns
+        -------
+        sums
+            Shape (end - begin, n_y, n_z), dimensionless.
+        """
         sums = np.zeros((end - begin, *lattice.n_blocks[1:]))
         add_crossings(_in_steps(self.cycle, lattice), lattice, begin, end, sums)
         cap = _in_steps(self.cap, lattice)
@@ -125,13 +152,26 @@ class LibiglField:
     Parameters
     ----------
     geometry
-        The geometry, as it is.
+        The geometry.
     """
 
     geometry: Geometry
 
     def sums(self, lattice: Lattice, begin: int, end: int) -> FloatArray:
-        """Return sums over half-blocks, see `WindingField`."""
+        """Return sums over half-blocks, see `WindingField`.
+
+        Parameters
+        ----------
+        lattice
+            The samples.
+        begin, end
+            Range of half-blocks along x.
+
+        Returns
+        -------
+        sums
+            Shape (end - begin, n_y, n_z), dimensionless.
+        """
         import igl
 
         half, axes = lattice.half, [lattice.places(k) for k in range(3)]

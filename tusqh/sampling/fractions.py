@@ -37,7 +37,7 @@ from tusqh.settings.sampling import Domain, Orientation, Sampling
 #: About how many samples a slab of the lattice holds: this bounds memory and paces progress.
 SAMPLES_AT_A_TIME = 8_000_000
 
-#: Winding numbers up to this have room in 32 bits.
+#: Largest winding number whose sums fit in 32 bits.
 _LARGEST = 2000
 
 #: Memory that a step needs per cell in 2D and 3D (measured).
@@ -65,7 +65,17 @@ class VolumeFractions:
 
     @classmethod
     def from_values(cls, grid: BackgroundGrid, samples: int, values: FloatArray) -> VolumeFractions:
-        """Return the fractions with given values, shape ``2 n + 1``, rounded to `RESOLUTION`."""
+        """Return the fractions with given values, shape ``2 n + 1``, rounded to `RESOLUTION`.
+
+        Parameters
+        ----------
+        grid
+            The background grid, of shape n.
+        samples
+            Samples along each side of a cell.
+        values
+            Fractions on the doubled grid, shape ``2 n + 1``, dimensionless.
+        """
         return cls(grid, samples, np.rint(values / RESOLUTION).astype(np.int32))
 
     @cached_property
@@ -105,7 +115,7 @@ def sample_fractions(
     Parameters
     ----------
     geometry
-        The geometry, as it is.
+        The geometry.
     grid
         The background grid.
     sampling
@@ -175,7 +185,7 @@ def sample_fractions(
 
 @dataclass
 class _Tally:
-    """What the winding numbers of all samples add up to.
+    """The sum and the extremes of the winding numbers of all samples.
 
     Parameters
     ----------
@@ -253,6 +263,13 @@ def _clipped_slabs(
 def round_fractions(values: FloatArray) -> FloatArray:
     """Return fractions rounded to multiples of `RESOLUTION`.
 
+    Parameters
+    ----------
+    values
+        Fractions of any shape, dimensionless.
+
+    Examples
+    --------
     >>> float(round_fractions(np.array([1 / 3]))[0] / RESOLUTION)
     349525.0
     """
@@ -262,7 +279,22 @@ def round_fractions(values: FloatArray) -> FloatArray:
 def require_memory(
     grid: BackgroundGrid, step: Literal["sampling", "meshing"], *, name: str
 ) -> None:
-    """Raise a `SamplingError` with the estimate when a grid cannot fit in this machine's memory."""
+    """Raise a `SamplingError` with the estimate when a grid cannot fit in this machine's memory.
+
+    Parameters
+    ----------
+    grid
+        The background grid.
+    step
+        What needs the memory.
+    name
+        The model, for the message.
+
+    Raises
+    ------
+    SamplingError
+        The estimate exceeds the memory of this machine.
+    """
     needed = grid.n_cells * _BYTES_PER_CELL[step][grid.dim]
     available = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     if needed > available:

@@ -18,7 +18,15 @@ _LARGE = 2**31 - 2**16
 
 
 def save_fractions(path: Path, fractions: VolumeFractions) -> None:
-    """Write fractions as integer multiples of `RESOLUTION`; whole or not at all."""
+    """Write fractions as integer multiples of `RESOLUTION`; whole or not at all.
+
+    Parameters
+    ----------
+    path
+        The npz file.
+    fractions
+        What to write.
+    """
     arrays = {
         "multiples": fractions.multiples.astype(np.int64),
         "samples": np.array(fractions.samples, dtype=np.int64),
@@ -36,6 +44,11 @@ def save_fractions(path: Path, fractions: VolumeFractions) -> None:
 
 def load_fractions(path: Path) -> VolumeFractions:
     """Return the fractions in a file that `save_fractions` wrote, bit for bit.
+
+    Parameters
+    ----------
+    path
+        The npz file.
 
     Raises
     ------

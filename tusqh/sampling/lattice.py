@@ -42,6 +42,15 @@ class Lattice:
     def over_grid(cls, grid: BackgroundGrid, samples: int, window: Box | None = None) -> Lattice:
         """Return the lattice of `samples` samples along each side of every cell of a grid.
 
+        Parameters
+        ----------
+        grid
+            The background grid.
+        samples
+            Samples along each side of a cell, an even number.
+        window
+            Box outside of which samples do not count, in model units.
+
         Examples
         --------
         >>> grid = BackgroundGrid(shape=(2, 3), cell_size=1.0, origin=(0.0, 0.0))
@@ -87,6 +96,12 @@ class Lattice:
         ]
 
     def places(self, axis: int) -> FloatArray:
-        """Return the coordinates of the samples along an axis, in model units."""
+        """Return the coordinates of the samples along an axis, in model units.
+
+        Parameters
+        ----------
+        axis
+            The axis.
+        """
         n = int(self.n_blocks[axis] * self.half[axis])
         return np.asarray(self.origin[axis] + self.step * np.arange(n))

@@ -50,14 +50,14 @@ def lay_on_voxels(
     window
         Box to cover instead of the whole image, in model units; grown to whole voxels.
     cells
-        At most so many cells along the longest side, or along each axis.
+        At most this many cells along the longest side, or along each axis.
     cell_size
         Edge length of a cell instead, a multiple of the voxel size.
 
     Raises
     ------
     SamplingError
-        The cell size is no multiple of the voxel size, or window and image do not overlap.
+        The cell size is not a multiple of the voxel size, or window and image do not overlap.
 
     Examples
     --------
