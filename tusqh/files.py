@@ -181,7 +181,7 @@ _MESH_TO_VERDICT = (
         "verdict",
         "verdict.csv",
         "every check of the mesh: found, required, holds",
-        _columns("name found required holds"),
+        _columns("id name found required holds"),
     ),
     ResultFile(
         "verification",
@@ -210,6 +210,10 @@ _USES = (
         "amount",
         "simulation/amount.csv",
         "the conserved amount and the extremes of the concentration in every snapshot",
+        _columns(
+            "step time_s amount amount_unit amount_relative_error",
+            "concentration_min concentration_max concentration_unit undershoot",
+        ),
     ),
     ResultFile(
         "explorer", "explorer.html", "the model in a browser, with a slider over the threshold"

@@ -1,6 +1,7 @@
 # What every step with a script has besides the contents of its rule: a log, two outputs that record
-# how it ran, its software environment, and a fingerprint of its code, so that Snakemake reruns the
-# step when the code changes. This file comes last, when all rules are known.
+# how it ran, the list of its software, which documents it (see README), and a fingerprint of its
+# code, so that Snakemake reruns the step when the code changes.
+# This file comes last, when all rules are known.
 STEPS = [r for r in workflow.modifier.rules if r.script and Path(r.snakefile).is_relative_to(BASE)]
 CODE_OF_STEP = {step: f"workflow/scripts/{Path(step.script).name}" for step in STEPS}
 
