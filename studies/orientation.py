@@ -12,7 +12,7 @@ from studies.methods.raw_mesh import closed_betti
 from studies.placements import lay_grids, random_placements
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.pinches import find_pinches
-from tusqh.sampling.field import Geometry
+from tusqh.geometry.kinds import Surface
 from tusqh.settings.policy import MixedPinches, Policy
 from tusqh.topology.betti_numbers import BettiNumbers
 from tusqh.topology.effective import effective_betti
@@ -42,7 +42,7 @@ STUDY_THRESHOLDS = (0.1, 0.3, 0.5, 0.7, 0.9)
 
 
 def vary_placement(
-    geometry: Geometry,
+    geometry: Surface,
     policy: Policy,
     thresholds: Sequence[float],
     sizes: Sequence[int],

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tusqh.geometry.kinds import Surface
 from tusqh.grid import BackgroundGrid, FloatArray
 from tusqh.sampling.doubled_grid import combine_half_blocks
-from tusqh.sampling.field import Geometry
 from tusqh.sampling.fractions import VolumeFractions, sample_fractions
 from tusqh.sampling.lattice import Box
 from tusqh.settings.sampling import Sampling
@@ -60,7 +60,7 @@ def random_placements(dim: int, count: int, *, seed: int) -> list[Placement]:
 
 
 def lay_grids(
-    geometry: Geometry,
+    geometry: Surface,
     placement: Placement,
     sizes: Sequence[int],
     *,

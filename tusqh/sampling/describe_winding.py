@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from tusqh.geometry.kinds import Surface
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.closing import close
-from tusqh.sampling.field import TOLERANCE, CrossingField, Geometry, wind_on_lattice
+from tusqh.sampling.field import TOLERANCE, CrossingField, wind_on_lattice
 from tusqh.sampling.lattice import Lattice
 
 
-def describe_winding(geometry: Geometry, *, n: int = 32) -> pd.DataFrame:
+def describe_winding(geometry: Surface, *, n: int = 32) -> pd.DataFrame:
     """Return the range of the winding number on a lattice, and the size of the cap it needs.
 
     `count` says how many samples lie below 0 or above 1, where parts are inside out or overlap.

@@ -13,16 +13,14 @@ from typing import Protocol
 import numpy as np
 
 from tusqh.errors import SamplingError
+from tusqh.geometry.kinds import Surface
 from tusqh.geometry.outline import Outline
-from tusqh.geometry.soup import Soup
 from tusqh.grid import FloatArray
 from tusqh.sampling.cap_field import add_cap
 from tusqh.sampling.closing import Chain, close
 from tusqh.sampling.crossings import add_crossings, correct_sides
 from tusqh.sampling.lattice import Lattice
 from tusqh.settings.sampling import Sampler, Sampling
-
-Geometry = Outline | Soup
 
 #: Largest error of a fraction by default, dimensionless: that of rounding to 2^-20.
 TOLERANCE = Sampling().tolerance
@@ -76,7 +74,7 @@ def wind_on_lattice(field: WindingField, lattice: Lattice) -> FloatArray:
 
 
 def make_field(
-    geometry: Geometry, sampler: Sampler = "crossings", *, tolerance: float = TOLERANCE
+    geometry: Surface, sampler: Sampler = "crossings", *, tolerance: float = TOLERANCE
 ) -> WindingField:
     """Return the field of a geometry that a sampler computes.
 
@@ -155,7 +153,7 @@ class LibiglField:
         The geometry.
     """
 
-    geometry: Geometry
+    geometry: Surface
 
     def sums(self, lattice: Lattice, begin: int, end: int) -> FloatArray:
         """Return sums over half-blocks, see `WindingField`.

@@ -23,6 +23,7 @@ from typing import Any, Literal
 import numpy as np
 
 from tusqh.errors import SamplingError
+from tusqh.geometry.kinds import Surface
 from tusqh.grid import BackgroundGrid, FloatArray, doubled
 from tusqh.sampling.doubled_grid import (
     RESOLUTION,
@@ -30,7 +31,7 @@ from tusqh.sampling.doubled_grid import (
     average_coverage,
     average_half_blocks,
 )
-from tusqh.sampling.field import Geometry, WindingField, make_field
+from tusqh.sampling.field import WindingField, make_field
 from tusqh.sampling.lattice import Box, Lattice
 from tusqh.settings.sampling import Domain, Orientation, Sampling
 
@@ -103,7 +104,7 @@ class VolumeFractions:
 
 
 def sample_fractions(
-    geometry: Geometry,
+    geometry: Surface,
     grid: BackgroundGrid,
     *,
     sampling: Sampling | None = None,
@@ -318,7 +319,7 @@ def _check_samples(samples: Any) -> None:
         )
 
 
-def _check_overlap(geometry: Geometry, grid: BackgroundGrid, window: Box | None) -> None:
+def _check_overlap(geometry: Surface, grid: BackgroundGrid, window: Box | None) -> None:
     low, high = geometry.bounding_box()
     boxes = {"the background grid": (grid.origin, grid.upper)}
     if window is not None:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tusqh.errors import SamplingError
+from tusqh.geometry.kinds import Surface
 from tusqh.grid import BackgroundGrid
-from tusqh.sampling.field import Geometry
 from tusqh.sampling.lattice import Box
 
 
 def lay_grid(
-    geometry: Geometry,
+    geometry: Surface,
     window: Box | None,
     *,
     cells: int | Sequence[int] | None = None,
