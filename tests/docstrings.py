@@ -19,8 +19,13 @@ CONFIG = {"checks": CHECKS, "exclude": None, "exclude_files": None, "overrides":
 class PublicDocstrings(DocstringVisitor):
     """numpydoc's checks without those of private and nested names."""
 
+    def is_command(self, node):
+        """Return whether a function is a command; its docstring is the text of ``--help``."""
+        path = Path(self.filepath)
+        return path.parent.name == "cli" and getattr(node, "name", "") == path.stem
+
     def _ignore_issue(self, node, check):
-        if is_hidden(self.stack):
+        if is_hidden(self.stack) or self.is_command(node):
             return True
         # numpydoc does not see the fields of a dataclass.
         if isinstance(node, ast.ClassDef) and check in {"PR01", "PR02"}:
@@ -53,6 +58,18 @@ def says_what_it_returns(node):
     return is_property or (summary in (["Return"], ["Whether"], ["Yield"]) and not returns_tuple)
 
 
+def parse(path):
+    """Return the syntax tree of a file, with a heading before doctests that have none."""
+    tree = ast.parse(Path(path).read_text(), str(path))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node):
+            text = ast.get_docstring(node)
+            if "\nExamples\n---" not in text:
+                text = text.replace("\n\n>>> ", "\n\nExamples\n--------\n>>> ", 1)
+            node.body[0].value.value = text
+    return tree
+
+
 def without_raises(path):
     """Return the public functions that raise an error without a section *Raises*."""
     faults = []
@@ -76,14 +93,14 @@ def without_raises(path):
             if isinstance(child, ast.ClassDef | ast.FunctionDef):
                 visit(child, stack)
 
-    visit(ast.parse(Path(path).read_text()), [])
+    visit(parse(path), [])
     return faults
 
 
 def find_faults(path):
     """Return a line for every fault in the public docstrings of a file."""
     visitor = PublicDocstrings(str(path), CONFIG)
-    visitor.visit(ast.parse(Path(path).read_text(), str(path)))
+    visitor.visit(parse(path))
     found = [f"{line}: {name}: {code} {text}" for line, name, code, text in visitor.findings]
     return found + without_raises(path)
 

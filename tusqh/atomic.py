@@ -17,7 +17,17 @@ def replacing(path: Path) -> Iterator[Path]:
     """Give a temporary name beside `path`, renamed to it when the block succeeds.
 
     The temporary file keeps the suffix, which many libraries choose the format by.  When the
-    block fails it is removed and an existing file at `path` is left as it was.
+    block fails it is removed, and an existing file at `path` is not changed.
+
+    Parameters
+    ----------
+    path
+        The file to write; its folder is made.
+
+    Yields
+    ------
+    Path
+        The temporary file, which exists and is empty.
 
     Raises
     ------
@@ -58,7 +68,12 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def require_writable(path: Path) -> None:
-    """Raise when a file could not be written, without writing anything: ask before long work.
+    """Raise an error if a file cannot be written.  Writes nothing; call it before long work.
+
+    Parameters
+    ----------
+    path
+        The file to be written later.
 
     Raises
     ------
@@ -84,13 +99,32 @@ def require_writable(path: Path) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    r"""Write a UTF-8 text file with ``\n`` line ends, whole or not at all."""
+    r"""Write a UTF-8 text file with ``\n`` line ends, whole or not at all.
+
+    Parameters
+    ----------
+    path
+        The file to write.
+    text
+        Its content.
+
+    Raises
+    ------
+    OutputError
+        The folder cannot be made or written to, or the disk is full.
+    """
     with replacing(path) as temporary:
         temporary.write_bytes(text.encode())
 
 
 def remove_leftovers(path: Path) -> None:
-    """Remove temporary files for `path` that a killed process left; for its one writer only."""
+    """Remove temporary files that a killed process left beside a file.
+
+    Parameters
+    ----------
+    path
+        The file; no other process may be writing it.
+    """
     for leftover in path.parent.glob(f".{glob.escape(path.stem)}-????????{path.suffix}"):
         leftover.unlink(missing_ok=True)
 

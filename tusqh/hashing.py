@@ -9,14 +9,27 @@ from typing import Any
 
 
 def hash_file(path: Path) -> str:
-    """Return the SHA-256 of a file's bytes, in hexadecimal."""
+    """Return the SHA-256 of a file's bytes, in hexadecimal.
+
+    Parameters
+    ----------
+    path
+        An existing file.
+    """
     with path.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def canonical_json(value: Any) -> str:
-    r"""Return a value as JSON that depends on nothing but the value.
+    r"""Return a value as JSON that depends only on the value.
 
+    Parameters
+    ----------
+    value
+        Dictionaries with string keys, lists, strings, numbers, booleans and None.
+
+    Examples
+    --------
     >>> canonical_json({"b": 1, "a": [2.5]})
     '{\n  "a": [\n    2.5\n  ],\n  "b": 1\n}\n'
     """
@@ -26,6 +39,13 @@ def canonical_json(value: Any) -> str:
 def hash_value(value: Any) -> str:
     """Return the SHA-256 of a plain value's canonical JSON, in hexadecimal.
 
+    Parameters
+    ----------
+    value
+        As for `canonical_json`.
+
+    Examples
+    --------
     >>> hash_value({"b": 1, "a": 2}) == hash_value({"a": 2, "b": 1})
     True
     """

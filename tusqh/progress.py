@@ -16,7 +16,13 @@ Progress = Callable[[str], Report]
 
 
 def log_progress(what: str) -> Report:
-    """Return a function of (done, in all) that logs how far `what` is."""
+    """Return a function of (done, in all) that logs the progress of a task.
+
+    Parameters
+    ----------
+    what
+        The name of the task in the log.
+    """
     logger = logging.getLogger("tusqh")
     started = time.monotonic()
     last = started
