@@ -18,8 +18,6 @@ from tusqh.antialias.clusters import CONNECT
 from tusqh.antialias.pinches import find_pinches
 from tusqh.antialias.resolve import build_mesh
 from tusqh.grid import QUAD_CORNERS, BackgroundGrid, BoolArray, FloatArray, doubled
-from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
-from tusqh.meshes.checks import check_mesh
 from tusqh.meshes.volume_mesh import KINDS, VolumeMesh
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.policy import Policy
@@ -141,12 +139,12 @@ def mesh_example(
 
 def mesh_facts(mesh: VolumeMesh, predicted: BettiNumbers) -> dict[str, Any]:
     """Return the measured topology of a mesh, and whether it is as predicted and sound."""
-    measured = betti_by_euler(mesh)
+    measured, betti = mesh.measurement, mesh.measurement.by_euler
     return {
         "elements": mesh.n_cells,
-        "components": measured.betti_0,
-        "holes": measured.betti_1,
-        "voids": measured.betti_2,
-        "as_predicted": measured == betti_by_boundary(mesh) == predicted,
-        "sound": all(bool(check.holds) for check in check_mesh(mesh)),
+        "components": betti.betti_0,
+        "holes": betti.betti_1,
+        "voids": betti.betti_2,
+        "as_predicted": measured.has_topology(predicted),
+        "sound": measured.is_sound,
     }
