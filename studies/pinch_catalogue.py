@@ -26,7 +26,6 @@ from tusqh.antialias.clusters import CONNECT, SEPARATE, Decisions, decide_by_vot
 from tusqh.antialias.pinches import find_pinch_edges, find_pinches, pinch_table
 from tusqh.antialias.resolve import build_mesh, resolve
 from tusqh.grid import BackgroundGrid, BoolArray
-from tusqh.meshes.jacobians import corner_jacobians
 from tusqh.meshes.volume_mesh import KINDS, VolumeMesh
 from tusqh.settings.policy import MixedPinches
 from tusqh.topology.betti_numbers import BettiNumbers
@@ -109,7 +108,7 @@ def _count_pinch_edges(kept: BoolArray) -> int:
 
 
 def _smallest_jacobian(mesh: VolumeMesh) -> float:
-    return round(float(corner_jacobians(mesh.points, mesh.cells)[1].min()), 6)
+    return round(mesh.measurement.smallest_scaled_jacobian, 6)
 
 
 def _element_rows(name: dict[str, Any], mesh: VolumeMesh) -> pd.DataFrame:

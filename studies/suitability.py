@@ -23,8 +23,6 @@ from tusqh.antialias.pinches import find_pinches
 from tusqh.antialias.resolve import build_mesh
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.betti import betti_by_euler
-from tusqh.meshes.facets import find_facets
-from tusqh.meshes.jacobians import corner_jacobians, element_volumes
 from tusqh.meshes.manifold import find_non_manifold_points
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.simulate.diffusion import march
@@ -107,7 +105,7 @@ def compare_suitability(
 
 def measure_suitability(mesh: VolumeMesh) -> dict[str, Any]:
     """Return the measures of fitness for analysis of a mesh, see `compare_suitability`."""
-    n_bad = len(find_non_manifold_points(find_facets(mesh.cells)))
+    n_bad = len(find_non_manifold_points(mesh.facets))
     lumped, of_elements = element_matrices(mesh)
     stiffness = assemble_stiffness(mesh, of_elements)
     condition, iterations = estimate_condition(stiffness)
@@ -121,9 +119,7 @@ def measure_suitability(mesh: VolumeMesh) -> dict[str, Any]:
         "condition": float(f"{condition:.3g}"),
         "iterations": iterations,
         "leak": float(f"{_leak(mesh, lumped, stiffness, part):.3g}"),
-        "min_scaled_jacobian": round(
-            float(corner_jacobians(mesh.points, mesh.cells)[1].min(initial=1.0)), 6
-        ),
+        "min_scaled_jacobian": round(mesh.measurement.smallest_scaled_jacobian, 6),
     }
 
 
@@ -133,7 +129,7 @@ def _leak(mesh: VolumeMesh, lumped: FloatArray, stiffness: Any, part: IntArray) 
     The heat starts at the points that no other part has.  Two parts with no facet in common
     have no common area through which heat could flow, so all of it is an error.
     """
-    volumes = element_volumes(mesh.points, mesh.cells)
+    volumes = mesh.volumes
     in_largest = part == np.append(np.bincount(part, weights=volumes), 0.0).argmax()
     if in_largest.all():
         return 0.0
@@ -156,7 +152,7 @@ def _leak(mesh: VolumeMesh, lumped: FloatArray, stiffness: Any, part: IntArray) 
 
 
 def _volume(mesh: VolumeMesh) -> float:
-    return float(element_volumes(mesh.points, mesh.cells).sum())
+    return float(mesh.volumes.sum())
 
 
 def summarise_suitability(table: pd.DataFrame) -> pd.DataFrame:

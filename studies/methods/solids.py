@@ -10,8 +10,6 @@ from studies.methods.raw_mesh import closed_betti
 from tusqh.geometry.soup import Soup
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.betti import betti_by_euler
-from tusqh.meshes.facets import find_facets
-from tusqh.meshes.jacobians import element_volumes
 from tusqh.meshes.manifold import find_non_manifold_points
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.topology.betti_numbers import BettiNumbers
@@ -32,7 +30,7 @@ def cut_tets(points: FloatArray, tets: IntArray) -> VolumeMesh:
     Examples
     --------
     >>> mesh = cut_tets(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), [[0, 1, 2, 3]])
-    >>> mesh.n_cells, len(mesh.points), float(element_volumes(mesh.points, mesh.cells).sum())
+    >>> mesh.n_cells, len(mesh.points), float(mesh.volumes.sum())
     (4, 15, 0.16666666666666666)
     """
     tets = np.asarray(tets, dtype=np.int64)
@@ -74,7 +72,7 @@ def describe_solid(points: FloatArray, cells: IntArray, *, cell_size: float) -> 
     """
     is_hex = cells.shape[1] == 8
     mesh = VolumeMesh.from_arrays(points, cells) if is_hex else cut_tets(points, cells)
-    is_manifold = len(find_non_manifold_points(find_facets(mesh.cells))) == 0
+    is_manifold = len(find_non_manifold_points(mesh.facets)) == 0
     betti: BettiNumbers | None = None
     if is_manifold:
         betti = betti_by_euler(mesh)
@@ -89,7 +87,7 @@ def describe_solid(points: FloatArray, cells: IntArray, *, cell_size: float) -> 
         "elements": len(cells),
         "manifold": is_manifold,
         **(betti._asdict() if betti else dict.fromkeys(("betti_0", "betti_1", "betti_2"))),
-        "volume": float(element_volumes(mesh.points, mesh.cells).sum()),
+        "volume": float(mesh.volumes.sum()),
         "worst_scaled_jacobian": _worst(points, cells),
     }
 
@@ -101,7 +99,7 @@ def measure_fit(points: FloatArray, cells: IntArray, soup: Soup) -> dict[str, fl
     `surface_max`: from the surface to the boundary; over random points of known seed.
     """
     mesh = VolumeMesh.from_arrays(points, cells) if cells.shape[1] == 8 else cut_tets(points, cells)
-    facets = find_facets(mesh.cells)
+    facets = mesh.facets
     quads = facets.corners[facets.on_boundary]
     triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
     there = _distances(mesh.points, triangles, soup.points, soup.triangles)

@@ -14,7 +14,6 @@ from scipy.sparse import csr_matrix, diags_array
 from scipy.sparse.csgraph import connected_components
 
 from tusqh.grid import HEX_CORNERS, QUAD_CORNERS, BoolArray, FloatArray, IntArray
-from tusqh.meshes.facets import find_facets
 from tusqh.meshes.volume_mesh import VolumeMesh
 
 #: The iteration that the condition number is taken from stops at this relative residual.
@@ -127,7 +126,7 @@ def label_parts(mesh: VolumeMesh) -> tuple[IntArray, int]:
     >>> label_parts(VolumeMesh.from_arrays(points, quads))[1]      # they share a vertex
     2
     """
-    facets = find_facets(mesh.cells)
+    facets = mesh.facets
     order = np.argsort(facets.unique, kind="stable")
     same = facets.unique[order[1:]] == facets.unique[order[:-1]]
     pairs = (facets.cell[order[:-1]][same], facets.cell[order[1:]][same])
