@@ -1,4 +1,4 @@
-"""The examples run as they stand, and show what their first paragraph says."""
+"""The examples run unchanged, and show what their first paragraph says."""
 
 import importlib.util
 import subprocess

@@ -90,7 +90,7 @@ def test_elsewhere_and_after_kills_every_byte_is_the_same(
 
 
 def jobs_of(said):
-    """Return rule and model of every job in a dry run."""
+    """Return the rule and the model of every job in a dry run."""
     jobs, rule = set(), None
     for line in said.splitlines():
         words = line.split()
@@ -138,7 +138,7 @@ def test_comments_and_touched_files_rerun_nothing(checkout):
     assert "Nothing to be done" in dry_run(checkout)
 
 
-def test_the_remedy_mends(checkout):
+def test_the_remedy_restores_the_file(checkout):
     file = "results/plate/fractions.npz"
     checkout.flip(file)
     (finding,) = [f for f in checkout.verify().findings if f.file == file]

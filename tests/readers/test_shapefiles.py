@@ -1,4 +1,4 @@
-"""Shapefiles: rings and lines as they are, and what has none."""
+"""Shapefiles: rings and lines are read unchanged; other shapes are explained."""
 
 import numpy as np
 import pytest
