@@ -1,4 +1,4 @@
-"""Check the docstrings of public names: `python -m tests.docstrings tusqh/grid.py ...`.
+"""Check the docstrings of public names: `python -m tests.docstrings tusqh/grid/background.py ...`.
 
 numpydoc compares *Parameters* with the signature.  Two house rules are added: a docstring whose
 first line says what is returned needs *Returns* only for a tuple, and a function that raises an

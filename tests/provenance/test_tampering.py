@@ -328,8 +328,10 @@ def test_without_results_or_records_nothing_can_be_told(project, folder):
 
 
 def test_what_means_nothing_in_the_code_is_not_caught(checkout):
-    checkout.edit("tusqh/grid.py", "import numpy as np", "import numpy as np  # the arrays")
-    checkout.edit("tusqh/grid.py", '"""', '"""Really: ')
+    checkout.edit(
+        "tusqh/grid/background.py", "import numpy as np", "import numpy as np  # the arrays"
+    )
+    checkout.edit("tusqh/grid/background.py", '"""', '"""Really: ')
     checkout.edit("workflow/scripts/mesh.py", "import json", "# what\n\nimport json")
     checkout.edit("workflow/scripts/mesh.py", "import json", '"A mesh."\nimport json')
     checkout.edit("workflow/scripts/docs.py", '"%d files"', "'%d files'")
