@@ -181,7 +181,7 @@ def resolve(
         at_vertex.ravel()[squeezed] = at_vertex[tuple(nearest)].ravel()[squeezed]
         is_freed.ravel()[squeezed] = True
     raise MeshError(
-        f"{len(bad)} boundary points are not manifold after {n_rounds} rounds of freeing, "
+        f"{len(bad)} boundary points are non-manifold after {n_rounds} rounds of freeing, "
         f"the first at {mesh.points[bad[0]].tolist()}",
         where=name,
         expected="a manifold mesh",
