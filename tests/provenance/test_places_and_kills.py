@@ -130,7 +130,11 @@ def test_a_figures_script_reruns_that_figure_and_what_shows_it(checkout):
 
 
 def test_comments_and_touched_files_rerun_nothing(checkout):
-    checkout.edit("workflow/scripts/mesh.py", "import json", "import json  # for the record")
+    checkout.edit(
+        "workflow/scripts/mesh.py",
+        "from pathlib import Path",
+        "from pathlib import Path  # for the record",
+    )
     checkout.edit("tusqh/grid/background.py", '"""', '"""Really: ')
     for folder in ("tusqh", "workflow", "config"):
         for path in (checkout / folder).rglob("*"):

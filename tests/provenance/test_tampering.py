@@ -144,8 +144,8 @@ def test_a_source_that_is_gone_is_caught(project):
 @pytest.mark.parametrize(
     ("old", "new", "key"),
     [
-        ("threshold: 0.5", "threshold: 0.6", "wanted.threshold"),
-        ("    unit: mm\n    grid: {cells: 32}", "    grid: {cells: 32}", "drawing.unit"),
+        ("threshold: 0.5", "threshold: 0.6", "goal.threshold"),
+        ("    unit: mm\n    grid: {cells: 32}", "    grid: {cells: 32}", "unit"),
     ],
 )
 def test_a_changed_parameter_is_caught(project, old, new, key):
@@ -332,8 +332,8 @@ def test_what_means_nothing_in_the_code_is_not_caught(checkout):
         "tusqh/grid/background.py", "import numpy as np", "import numpy as np  # the arrays"
     )
     checkout.edit("tusqh/grid/background.py", '"""', '"""Really: ')
-    checkout.edit("workflow/scripts/mesh.py", "import json", "# what\n\nimport json")
-    checkout.edit("workflow/scripts/mesh.py", "import json", '"A mesh."\nimport json')
+    checkout.edit("workflow/scripts/mesh.py", "from pathlib", "# what\n\nfrom pathlib")
+    checkout.edit("workflow/scripts/mesh.py", "from pathlib", '"A mesh."\nfrom pathlib')
     checkout.edit("workflow/scripts/docs.py", '"%d files"', "'%d files'")
     checkout.edit("workflow/rules/mesh.smk", "rule mesh:", "# the mesh\nrule mesh:")
     checkout.edit("workflow/claims.yaml", "- id: quads", "# squares\n- id: quads")
