@@ -1,4 +1,4 @@
-"""The boundary of a mesh, side by side: which way each facet faces."""
+"""The boundary of a mesh: which facets lie on the sides of its box, and which way others face."""
 
 from __future__ import annotations
 
@@ -9,11 +9,23 @@ import numpy as np
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.facets import Facets
 
-#: Names of the sides; attribute ``k`` is ``SIDES[k - 1]``.  Facets of templates face no axis.
-SIDES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max", "slanted")
+#: Sides of the boundary; attribute ``k`` is ``SIDES[k - 1]``.  `x_min` holds the facets that lie
+#: on the plane of the mesh's box where x is smallest, `normal_x_minus` those that face -x
+#: anywhere else, such as the walls of a hole, and `slanted` those of templates, which face no axis.
+SIDES = (
+    *("x_min", "x_max", "y_min", "y_max", "z_min", "z_max"),
+    *("normal_x_minus", "normal_x_plus", "normal_y_minus", "normal_y_plus"),
+    *("normal_z_minus", "normal_z_plus", "slanted"),
+)
+
+#: Attribute of the first side by direction, less one.
+_BY_NORMAL = 6
 
 #: Largest deviation of a unit normal from an axis.
 _ALIGNED = 1e-6
+
+#: Largest distance from a plane of the box, relative to the largest extent of the mesh.
+_ON_PLANE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -29,7 +41,7 @@ class Boundary:
     local
         Which of the element's facets it is, shape (m,).
     attribute
-        From 1: the side that it faces, see `SIDES`, shape (m,).
+        From 1: the side of each facet, see `SIDES`, shape (m,).
     """
 
     corners: IntArray
@@ -38,8 +50,33 @@ class Boundary:
     attribute: IntArray
 
 
+def describe_side(name: str) -> str:
+    """Return what a side of `SIDES` holds, in words.
+
+    Parameters
+    ----------
+    name
+        The name of the side.
+
+    Examples
+    --------
+    >>> describe_side("x_min")
+    'facets on the lowest plane of the box along x'
+    >>> describe_side("normal_z_plus")
+    'other facets that face +z'
+    """
+    first, *rest = name.split("_")
+    if first == "normal":
+        return f"other facets that face {'-' if rest[1] == 'minus' else '+'}{rest[0]}"
+    if not rest:
+        return "facets of templates, which face no axis"
+    return (
+        f"facets on the {'lowest' if rest == ['min'] else 'highest'} plane of the box along {first}"
+    )
+
+
 def find_boundary(points: FloatArray, facets: Facets) -> Boundary:
-    """Return the boundary of a mesh with the side that every facet faces.
+    """Return the boundary of a mesh with the side of every facet.
 
     Parameters
     ----------
@@ -66,9 +103,14 @@ def find_boundary(points: FloatArray, facets: Facets) -> Boundary:
         normals = np.cross(places[:, 2] - places[:, 0], places[:, 3] - places[:, 1])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     attribute = np.full(len(rows), len(SIDES), dtype=np.int64)
+    tolerance = _ON_PLANE * float((places.max((0, 1)) - places.min((0, 1))).max())
     for axis in range(dim):
         for side, sign in enumerate((-1, 1)):
-            attribute[sign * normals[:, axis] > 1 - _ALIGNED] = 2 * axis + side + 1
+            is_facing = sign * normals[:, axis] > 1 - _ALIGNED
+            away = sign * places[..., axis]
+            is_on_box = (away >= away.max(initial=-np.inf) - tolerance).all(axis=1)
+            number = 2 * axis + side + 1
+            attribute[is_facing] = np.where(is_on_box, number, number + _BY_NORMAL)[is_facing]
     n_local = 2 * dim
     return Boundary(
         corners=facets.boundary,

@@ -12,8 +12,8 @@ import numpy as np
 from tusqh.atomic import replacing, write_text
 from tusqh.errors import MeshError
 from tusqh.extras import require
-from tusqh.grid import IntArray
-from tusqh.meshes.boundary import SIDES, Boundary
+from tusqh.grid import FloatArray, IntArray
+from tusqh.meshes.boundary import SIDES, Boundary, describe_side
 from tusqh.meshes.export import write_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
 
@@ -22,13 +22,20 @@ from tusqh.meshes.volume_mesh import VolumeMesh
 _EXODUS_FACES = np.array([4, 2, 1, 3, 5, 6])
 _ABAQUS_FACES = np.array([6, 4, 3, 5, 1, 2])
 
+#: CalculiX reads the first 20 characters of a number and cuts off the rest, exponent included:
+#: a sign, 14 digits, a point and an exponent of three digits are 21 at most, 20 in "%.13g".
+_ABAQUS_NUMBER = "%.13g"
+
+#: Coordinates smaller than this part of the largest extent are zeros.
+_DUST = 1e-12
+
 
 def write_mesh(path: Path, mesh: VolumeMesh) -> None:
     """Write a mesh in the format of a file's suffix, whole or not at all.
 
-    ``.vtu`` (VTK), ``.mesh`` (MFEM, boundary attributes), ``.msh`` (Gmsh 2.2, physical groups),
-    ``.exo`` (Exodus, side sets), ``.inp`` (Abaqus, surfaces); the sides are those of
-    `tusqh.meshes.boundary.SIDES`.
+    ``.vtu`` (VTK), ``.mesh`` (MFEM, boundary attributes), ``.msh`` (Gmsh 2.2 in ASCII, physical
+    groups), ``.exo`` (Exodus, side sets), ``.inp`` (Abaqus, surfaces); the sides are those of
+    `tusqh.meshes.boundary.SIDES`, which attributes of MFEM number from 1.  VTU has no sides.
 
     Raises
     ------
@@ -63,7 +70,11 @@ def require_format(path: Path) -> None:
 def _write_mfem(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
     text = io.StringIO()
     geometry, facet = (3, 1) if mesh.dim == 2 else (5, 3)
-    text.write(f"MFEM mesh v1.0\n\ndimension\n{mesh.dim}\n\nelements\n{mesh.n_cells}\n")
+    text.write("MFEM mesh v1.0\n\n# Boundary attributes:\n")
+    for attribute in np.unique(boundary.attribute):
+        name = SIDES[attribute - 1]
+        text.write(f"# {attribute} {name}: {describe_side(name)}\n")
+    text.write(f"\ndimension\n{mesh.dim}\n\nelements\n{mesh.n_cells}\n")
     head = np.tile([1, geometry], (mesh.n_cells, 1))
     np.savetxt(text, np.hstack([head, mesh.cells]), fmt="%d")
     text.write(f"\nboundary\n{len(boundary.corners)}\n")
@@ -77,17 +88,20 @@ def _write_mfem(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
 def _write_gmsh(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
     import meshio
 
-    solid = np.full(mesh.n_cells, len(SIDES) + 1)
-    groups = [boundary.attribute, solid]
-    names = {name: np.array([k, mesh.dim - 1]) for k, name in enumerate(SIDES, start=1)}
+    # The attribute of the elements, 1 in other formats, must differ from those of the sides here.
+    solid = len(SIDES) + 1
+    groups = [boundary.attribute, np.full(mesh.n_cells, solid)]
+    present = np.unique(boundary.attribute)
+    names = {SIDES[k - 1]: np.array([k, mesh.dim - 1]) for k in present}
     out = _to_meshio(
         mesh,
         [("line" if mesh.dim == 2 else "quad", boundary.corners)],
         cell_data={"gmsh:physical": groups, "gmsh:geometrical": groups},
-        field_data={**names, "solid": np.array([len(SIDES) + 1, mesh.dim])},
+        field_data={**names, "solid": np.array([solid, mesh.dim])},
     )
     with replacing(path) as temporary:
-        meshio.gmsh.write(temporary, out, fmt_version="2.2", binary=True)
+        # OpenFOAM, getfem, NGSolve and deal.II do not read the binary form.
+        meshio.gmsh.write(temporary, out, fmt_version="2.2", binary=False)
 
 
 def _write_exodus(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
@@ -101,8 +115,11 @@ def _write_exodus(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
         meshio.exodus.write(temporary, _to_meshio(mesh, []))
         with netCDF4.Dataset(temporary, "a") as file:
             file.title = mesh.name  # In place of meshio's, which has the time in it.
-            file.createDimension("num_side_sets", len(present))
+            file["eb_prop1"][:] = 1  # meshio counts blocks from 0, other programs from 1.
             width = file.dimensions["len_string"].size
+            blocks = file.createVariable("eb_names", "S1", ("num_el_blk", "len_string"))
+            blocks[0] = _to_characters("solid", width)
+            file.createDimension("num_side_sets", len(present))
             file.createVariable("ss_status", "i4", ("num_side_sets",))[:] = 1
             ids = file.createVariable("ss_prop1", "i4", ("num_side_sets",))
             ids.setncattr("name", "ID")
@@ -115,8 +132,12 @@ def _write_exodus(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
                 elements[:] = boundary.element[members] + 1
                 sides = file.createVariable(f"side_ss{k}", "i4", (f"num_side_ss{k}",))
                 sides[:] = faces[members]
-                label = SIDES[attribute - 1].ljust(width, "\0").encode()
-                names[k - 1] = np.frombuffer(label, dtype="S1")
+                names[k - 1] = _to_characters(SIDES[attribute - 1], width)
+
+
+def _to_characters(label: str, width: int) -> Any:
+    """Return a name as Exodus stores it: single characters, zeros after the last."""
+    return np.frombuffer(label.ljust(width, "\0").encode(), dtype="S1")
 
 
 def _write_abaqus(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
@@ -124,18 +145,27 @@ def _write_abaqus(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
     text = io.StringIO()
     text.write(f"*HEADING\n{mesh.name}\n*NODE\n")
     number = np.arange(1, len(mesh.points) + 1)
-    points = mesh.points_in_space()
-    np.savetxt(text, np.column_stack([number, points]), fmt=["%d"] + 3 * ["%.17g"], delimiter=", ")
+    points = _without_dust(mesh.points_in_space())
+    form = ["%d"] + 3 * [_ABAQUS_NUMBER]
+    np.savetxt(text, np.column_stack([number, points]), fmt=form, delimiter=", ")
     kind = "CPS4" if mesh.dim == 2 else "C3D8"
     text.write(f"*ELEMENT, TYPE={kind}, ELSET=solid\n")
     number = np.arange(1, mesh.n_cells + 1)
     np.savetxt(text, np.column_stack([number, mesh.cells + 1]), fmt="%d", delimiter=", ")
     for attribute in np.unique(boundary.attribute):
         members = boundary.attribute == attribute
-        text.write(f"*SURFACE, TYPE=ELEMENT, NAME={SIDES[attribute - 1]}\n")
+        name = SIDES[attribute - 1]
+        text.write(f"** {name}: {describe_side(name)}\n")
+        text.write(f"*SURFACE, TYPE=ELEMENT, NAME={name}\n")
         rows = np.column_stack([boundary.element[members] + 1, faces[members]])
         np.savetxt(text, rows, fmt="%d, S%d")
     write_text(path, text.getvalue())
+
+
+def _without_dust(points: FloatArray) -> FloatArray:
+    """Return coordinates with exact zeros where they differ from 0 by rounding only."""
+    extent = float(np.ptp(points, axis=0).max(initial=0.0))
+    return np.where(np.abs(points) < _DUST * extent, 0.0, points)
 
 
 def _numbers(dim: int, local: IntArray, of_hex: IntArray) -> IntArray:
