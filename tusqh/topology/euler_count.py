@@ -74,7 +74,9 @@ def count_euler(nodes: Multiples) -> IntArray:
     1
     """
     change = np.zeros(FULL + 1, dtype=np.int64)
-    _count(as_layer(nodes), *_stars(), change)
+    layer, stars = as_layer(nodes), _stars()
+    stride = [layer.shape[1] * layer.shape[2], layer.shape[2], 1]
+    _count(layer, layer.ravel(), stars.start, stars.nodes @ stride, stars.sign, stars.total, change)
     return change
 
 
@@ -115,7 +117,7 @@ def _touch(edge: Offset, cell: Offset) -> bool:
 
 
 @numba.njit(cache=True)
-def _count(nodes, start, simplices, sign, total, change):  # type: ignore[no-untyped-def]
+def _count(nodes, flat, start, steps, sign, total, change):  # type: ignore[no-untyped-def]
     n_x, n_y, n_z = nodes.shape
     for i in range(1, n_x - 1):
         for j in range(1, n_y - 1):
@@ -130,9 +132,12 @@ def _count(nodes, start, simplices, sign, total, change):  # type: ignore[no-unt
                 if low == high:  # All nodes of the star have this multiple: it appears as a whole.
                     change[low] += total[parity]
                     continue
+                place = (i * n_y + j) * n_z + k
                 for s in range(start[parity], start[parity + 1]):
-                    level = FULL
-                    for m in range(4):
-                        x, y, z = simplices[s, m, 0], simplices[s, m, 1], simplices[s, m, 2]
-                        level = min(level, nodes[i + x, j + y, k + z])
+                    level = min(
+                        flat[place + steps[s, 0]],
+                        flat[place + steps[s, 1]],
+                        flat[place + steps[s, 2]],
+                        flat[place + steps[s, 3]],
+                    )
                     change[level] += sign[s]

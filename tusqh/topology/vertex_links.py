@@ -74,6 +74,13 @@ def _list_links(nodes, links):  # type: ignore[no-untyped-def]
                 odd_i, odd_j, odd_k = i % 2, j % 2, k % 2
                 if odd_i + odd_j + odd_k > 1:
                     continue
+                low, high = nodes[i - 1 + odd_i, j - 1 + odd_j, k - 1 + odd_k], 0
+                for x in range(i - 1 + odd_i, i + 2 - odd_i, 2):
+                    for y in range(j - 1 + odd_j, j + 2 - odd_j, 2):
+                        for z in range(k - 1 + odd_k, k + 2 - odd_k, 2):
+                            low, high = min(low, nodes[x, y, z]), max(high, nodes[x, y, z])
+                if low == high or nodes[i, j, k] == 0:  # One local maximum, or no node.
+                    continue
                 m = 0
                 for z in range(k - 1 + odd_k, k + 2 - odd_k, 2):
                     for y in range(j - 1 + odd_j, j + 2 - odd_j, 2):
