@@ -6,15 +6,26 @@ which triangles meet, see `tusqh.geometry.soup.Soup.matched`.
 
 from __future__ import annotations
 
+import re
 import struct
 from pathlib import Path
 
-import trimesh
+import numpy as np
 
-from tusqh.errors import GeometryError
 from tusqh.geometry.soup import Soup
-from tusqh.readers.reading import Reading
-from tusqh.readers.surfaces import surfaces_of_scene
+from tusqh.grid import FloatArray, IntArray
+from tusqh.readers.polygon_faces import (
+    cut_polygons,
+    damaged,
+    numbers_of,
+    polygon_remarks,
+    without_byte_order_mark,
+)
+from tusqh.readers.reading import Reading, Remark
+
+_EXPECTED = "a complete STL file"
+_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+_BORDER = re.compile(rb"^[ \t]*(end[ \t]*solid|solid)\b[^\n]*", re.MULTILINE | re.IGNORECASE)
 
 
 def read(path: Path) -> Reading:
@@ -28,42 +39,123 @@ def read(path: Path) -> Reading:
     Returns
     -------
     Reading
-        The geometry.
+        The geometry, with remarks on surplus bytes and on facets of more than three corners.
 
     Raises
     ------
     GeometryError
-        The file is incomplete, or the soup is empty, without extent or not finite.
+        The file is incomplete, its size contradicts its count, or the soup is empty, without
+        extent or not finite.
     """
-    _check_size(path)
-    scene = trimesh.load_scene(path, process=False)
-    return Reading(Soup.from_parts(surfaces_of_scene(scene), name=path.name))
+    content = path.read_bytes()
+    if _is_text(content):
+        return _read_text(without_byte_order_mark(content, path), path)
+    return _read_binary(content, path)
 
 
-def _check_size(path: Path) -> None:
-    """Raise when a binary STL is shorter or longer than its own count says."""
-    size = path.stat().st_size
-    with path.open("rb") as stream:
-        head = stream.read(84)
-    if head.lstrip()[:5].lower() == b"solid" and b"\0" not in head:
-        tail = path.read_bytes()[-200:].lower()
-        if b"endsolid" not in tail:
-            raise _damaged(path, "the text ends before `endsolid`")
-        return
-    if len(head) < 84:
-        raise _damaged(path, f"the file has {size} bytes, too few for an STL header")
-    (n_triangles,) = struct.unpack("<I", head[80:84])
-    if size < 84 + 50 * n_triangles:
-        raise _damaged(
-            path,
-            f"the header promises {n_triangles} triangles, the file holds {(size - 84) // 50}",
+def _is_text(content: bytes) -> bool:
+    """Return whether the file is text: some binary files begin with ``solid`` too."""
+    start = content[:512].removeprefix(b"\xef\xbb\xbf").lstrip()
+    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return True
+    if len(content) >= 84:
+        (n_triangles,) = struct.unpack("<I", content[80:84])
+        if len(content) == 84 + 50 * n_triangles:
+            return False
+    return start[:5].lower() in (b"solid", b"facet") and b"\0" not in start
+
+
+def _read_binary(content: bytes, path: Path) -> Reading:
+    """Return the triangles of a binary file whose size agrees with its count."""
+    size = len(content)
+    if size < 84:
+        raise damaged(
+            path, f"the file has {size} bytes, too few for an STL header", expected=_EXPECTED
         )
-
-
-def _damaged(path: Path, found: str) -> GeometryError:
-    return GeometryError(
-        found,
-        where=str(path),
-        expected="a complete STL file",
-        remedy="copy or export the file again; it is cut off or damaged",
+    (n_stated,) = struct.unpack("<I", content[80:84])
+    n_found, n_surplus = divmod(size - 84, 50)
+    if n_found != n_stated:
+        raise damaged(
+            path,
+            f"the header promises {n_stated} triangles, the file holds {n_found}",
+            expected=_EXPECTED,
+        )
+    facets = np.frombuffer(content, dtype=_FACET, count=n_found, offset=84)
+    points = facets["corners"].astype(np.float64).reshape(-1, 3)
+    soup = Soup(
+        points,
+        np.arange(3 * n_found).reshape(-1, 3),
+        np.zeros(n_found, dtype=np.int64),
+        name=path.name,
     )
+    surplus = [Remark("left out", "bytes after the last triangle", n_surplus)] if n_surplus else []
+    return Reading(soup, tuple(surplus))
+
+
+def _read_text(content: bytes, path: Path) -> Reading:
+    """Return the facets of all solids of a text file."""
+    text = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    borders = list(_BORDER.finditer(text))
+    is_end = [border[1][:3].lower() == b"end" for border in borders]
+    if not is_end or not is_end[-1] or text[borders[-1].end() :].strip():
+        raise damaged(path, "the text ends before `endsolid`", expected=_EXPECTED)
+    starts = [0, *(border.end() for border in borders)]
+    stops = [*(border.start() for border in borders), len(text)]
+    solids = [text[a:b] for a, b in zip(starts, stops, strict=True) if text[a:b].strip()]
+    facets = [_facets(solid.lower().split(), path) for solid in solids]
+    if not facets:
+        raise damaged(path, "the text has no facet", expected=_EXPECTED)
+    points = np.concatenate([points for points, _ in facets])
+    counts = np.concatenate([counts for _, counts in facets])
+    triangles, facet = cut_polygons(np.arange(len(points)), counts)
+    parts = np.repeat(np.arange(len(facets)), [len(counts) for _, counts in facets])
+    soup = Soup(points, triangles, parts[facet].astype(np.int64), name=path.name)
+    return Reading(soup, tuple(polygon_remarks(counts)))
+
+
+def _facets(words: list[bytes], path: Path) -> tuple[FloatArray, IntArray]:
+    """Return the corners of the facets of a solid, and the number of corners of each."""
+    regular = b"facet normal % % % outer loop vertex % % % vertex % % % vertex % % % "
+    pattern = (regular + b"endloop endfacet").split()
+    is_regular = len(words) % len(pattern) == 0 and all(
+        set(words[k :: len(pattern)]) == {word} for k, word in enumerate(pattern) if word != b"%"
+    )
+    if is_regular:
+        columns = [
+            numbers_of(words[k :: len(pattern)], path, what="coordinates")
+            for k in (8, 9, 10, 12, 13, 14, 16, 17, 18)
+        ]
+        points = np.stack(columns, axis=1).reshape(-1, 3)
+        return points, np.full(len(points) // 3, 3, dtype=np.int64)
+    return _irregular_facets(words, path)
+
+
+def _irregular_facets(words: list[bytes], path: Path) -> tuple[FloatArray, IntArray]:
+    """Return the same where facets have other numbers of corners, or no normal."""
+    array = np.array([word[:8] for word in words])
+    opened = np.flatnonzero(array == b"facet")
+    closed = np.flatnonzero(array == b"endfacet")
+    vertices = np.flatnonzero(array == b"vertex")
+    if len(opened) != len(closed) or not (opened < closed).all() or len(closed) == 0:
+        raise damaged(
+            path,
+            f"{len(opened)} facets begin and {len(closed)} end",
+            expected="`endfacet` at the end of every facet",
+        )
+    if len(vertices) and vertices[-1] + 3 >= len(words):
+        raise damaged(path, "the last vertex has no coordinates", expected=_EXPECTED)
+    keywords = {b"facet", b"normal", b"outer", b"loop", b"vertex", b"endloop", b"endfacet"}
+    n_numbers = sum(word not in keywords for word in words)
+    n_normals = int((array == b"normal").sum())
+    if n_numbers != 3 * (len(vertices) + n_normals):
+        wrong = [w for w in words if w not in keywords]
+        numbers_of(wrong, path, what="coordinates")
+        raise damaged(
+            path,
+            f"{len(vertices)} vertices and {n_normals} normals have {n_numbers} numbers",
+            expected="three numbers for each",
+        )
+    coordinates = [word for k in vertices.tolist() for word in words[k + 1 : k + 4]]
+    points = numbers_of(coordinates, path, what="coordinates")
+    facet = np.searchsorted(opened, vertices) - 1
+    return points.reshape(-1, 3), np.bincount(facet, minlength=len(opened))

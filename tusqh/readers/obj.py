@@ -1,0 +1,147 @@
+"""Read the polygons of an OBJ file (Wavefront)."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from tusqh.geometry.soup import Soup
+from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.readers.polygon_faces import (
+    cut_polygons,
+    damaged,
+    numbers_of,
+    polygon_remarks,
+    remarks_of,
+    without_byte_order_mark,
+)
+from tusqh.readers.reading import Reading, Remark
+
+_STATEMENT = re.compile(rb"^[ \t]*([a-z]+)[ \t]+([^\n]*)", re.MULTILINE)
+_COUNT = re.compile(rb"^#\s*(Vertices|Faces):\s*(\d+)\s*$", re.MULTILINE)
+#: Statements that describe geometry which is not a polygon.
+_OTHERS = {b"l": "lines", b"p": "points", b"curv": "curves", b"curv2": "curves in a surface"}
+_OTHERS |= {b"surf": "free-form surfaces", b"call": "included files"}
+
+
+def read(path: Path) -> Reading:
+    """Read every object of the file as a part of the soup.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Returns
+    -------
+    Reading
+        The geometry, with remarks on polygons, lines, points and free-form surfaces.
+
+    Raises
+    ------
+    GeometryError
+        The file is cut off, a number is damaged, a face refers to a vertex that does not exist,
+        or the soup is empty, without extent or not finite.
+    """
+    content = without_byte_order_mark(path.read_bytes(), path)
+    content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    text = re.sub(rb"\\[ \t]*\n", b" ", re.sub(rb"#[^\n]*", b"", content))
+    statements = _STATEMENT.findall(text)
+    keywords = np.array([keyword for keyword, _ in statements], dtype="S8")
+    is_vertex = keywords == b"v"
+    is_face = (keywords == b"f") | (keywords == b"fo")
+    points = _vertices([s for (k, s) in statements if k == b"v"], path)
+    faces = [s for (k, s) in statements if k in (b"f", b"fo")]
+    _check_counts(content, len(points), len(faces), path)
+    corners, counts = _corners(faces, np.cumsum(is_vertex)[is_face], len(points), path)
+    triangles, polygon = cut_polygons(corners, counts)
+    parts = _parts(keywords == b"o", is_face)[polygon]
+    others = [Remark("left out", w, int((keywords == k).sum())) for k, w in _OTHERS.items()]
+    is_cut = not content.endswith(b"\n") and _ends_within_geometry(content)
+    remarks = [
+        *polygon_remarks(counts),
+        *remarks_of(*others),
+        *remarks_of(
+            Remark(
+                "noted",
+                "last lines without a line break",
+                int(is_cut),
+                "check that the file is whole: the format has no counts",
+            )
+        ),
+    ]
+    soup = Soup(points=points, triangles=triangles, parts=parts, name=path.name)
+    return Reading(soup, tuple(remarks))
+
+
+def _vertices(lines: list[bytes], path: Path) -> FloatArray:
+    """Return the coordinates of all vertices, without weights and colours."""
+    rows = [line.split() for line in lines]
+    n_words = np.array([len(row) for row in rows], dtype=np.int64)
+    if (n_words < 3).any():
+        first = int(np.flatnonzero(n_words < 3)[0])
+        raise damaged(
+            path,
+            f"vertex {first + 1} has {n_words[first]} coordinates",
+            expected="three coordinates for every vertex",
+        )
+    words = [word for row in rows for word in row[:3]]
+    return numbers_of(words, path, what="coordinates").reshape(-1, 3)
+
+
+def _corners(
+    faces: list[bytes], n_before: IntArray, n_points: int, path: Path
+) -> tuple[IntArray, IntArray]:
+    """Return the points at the corners of all faces, from 0, and the corners of every face.
+
+    Negative numbers count back from the vertices above the line of the face, shape (n_faces,).
+    """
+    rows = [face.split() for face in faces]
+    counts = np.array([len(row) for row in rows], dtype=np.int64)
+    words = [word.partition(b"/")[0] for row in rows for word in row]
+    values = numbers_of(words, path, what="corners of faces")
+    numbers = values.astype(np.int64)
+    face = np.repeat(np.arange(len(rows)), counts)
+    corners = np.where(numbers < 0, n_before[face] + numbers, numbers - 1)
+    is_bad = (numbers == 0) | (numbers != values) | (corners < 0) | (corners >= n_points)
+    if is_bad.any():
+        k = int(np.flatnonzero(is_bad)[0])
+        raise damaged(
+            path,
+            f"face {face[k] + 1} has the corner {words[k].decode(errors='replace')}",
+            expected=f"vertices from 1 to {n_points}: OBJ counts from 1, and from -1 backwards",
+            remedy="copy or export the file again; it is cut off or damaged",
+        )
+    return corners, counts
+
+
+def _parts(is_object: BoolArray, is_face: BoolArray) -> IntArray:
+    """Return the object of every face, numbered from 0 without gaps."""
+    number = np.cumsum(is_object)[is_face]
+    return np.unique(number, return_inverse=True)[1].astype(np.int64)
+
+
+def _check_counts(content: bytes, n_points: int, n_faces: int, path: Path) -> None:
+    """Compare with the counts that MeshLab writes as comments."""
+    for (keyword, stated), again in _stated(content):
+        found = n_points if keyword == b"Vertices" else n_faces
+        if not again and int(stated) != found:
+            raise damaged(
+                path,
+                f"the file states {int(stated)} {keyword.decode().lower()} and holds {found}",
+                expected="as many as its comment states",
+            )
+
+
+def _stated(content: bytes) -> list[tuple[tuple[bytes, bytes], bool]]:
+    """Return counts in comments, and whether there are several of the same kind."""
+    found = _COUNT.findall(content)
+    kinds = [kind for kind, _ in found]
+    return [((kind, number), kinds.count(kind) > 1) for kind, number in found]
+
+
+def _ends_within_geometry(content: bytes) -> bool:
+    """Return whether the last line is a vertex or a face, so that the file may be cut off."""
+    return content[content.rfind(b"\n") + 1 :].lstrip()[:2] in (b"v ", b"f ", b"v\t", b"f\t")
