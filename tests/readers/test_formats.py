@@ -15,15 +15,19 @@ from tusqh.readers.formats import FORMATS, dimension_of, suffixes_of
 #: Modules beside the readers in the same folder.
 OTHERS = {
     "__init__",
+    "axes",
     "curves",
     "files",
     "formats",
+    "labels",
     "memory",
     "ply_header",
     "ply_rows",
     "polygon_faces",
     "reading",
     "surfaces",
+    "tiff_pages",
+    "tiff_sizes",
     "voxels",
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -118,6 +119,7 @@ class Image:
         voxel_size: float = 1.0,
         empty: float | None = None,
         full: float | None = None,
+        origin: Sequence[float] = (0.0, 0.0, 0.0),
         name: str = "image",
     ) -> Image:
         """Return the image of grey values, with defaults for `empty` and `full` by their type.
@@ -133,6 +135,8 @@ class Image:
             Edge length of a voxel, in the units of the model.
         empty, full
             Grey values of fraction 0 and 1; None for the defaults.
+        origin
+            Lowest corner of voxel (0, 0, 0), in the units of the model.
         name
             Where it came from, for messages.
 
@@ -155,6 +159,7 @@ class Image:
             voxel_size=float(voxel_size),
             empty=0.0 if empty is None else float(empty),
             full=greatest if full is None else float(full),
+            origin=(float(origin[0]), float(origin[1]), float(origin[2])),
             name=name,
         )
         if not is_known and (voxels.min() < 0 or voxels.max() > greatest):

@@ -18,7 +18,7 @@ from tusqh.sampling.describe_winding import describe_winding
 
 
 def ingest(
-    source: Any, *, name: str = "geometry", image: Mapping[str, float] | None = None
+    source: Any, *, name: str = "geometry", image: Mapping[str, Any] | None = None
 ) -> Geometry:
     """Return the geometry in a file or in memory, without any repair.
 
@@ -32,8 +32,7 @@ def ingest(
     name
         What messages call a geometry that comes from memory.
     image
-        For voxels: `voxel_size`, and the grey values of fraction 0 and 1, `empty` and `full`,
-        see `tusqh.geometry.image.Image.from_voxels`.
+        For voxels: their size and what their values mean, see `tusqh.settings.voxels.Voxels`.
 
     Raises
     ------

@@ -95,7 +95,7 @@ def mesh(
         `tusqh.settings.policy.Criteria`.
     image
         For voxels: ``{"voxel_size": 0.1, "empty": 0, "full": 255}``, see
-        `tusqh.geometry.image.Image.from_voxels`.
+        `tusqh.settings.voxels.Voxels`.
     name
         What files and messages call the model; the name of the file by default.
     progress

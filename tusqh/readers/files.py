@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from tusqh.errors import GeometryError, TusqhError
 from tusqh.extras import require
 from tusqh.readers.formats import find_format, suffixes_of
 from tusqh.readers.reading import Reading
+from tusqh.settings.field import entries_of
+from tusqh.settings.voxels import Voxels
 
-_IMAGE_OPTIONS = ("voxel_size", "empty", "full")
+_IMAGE_OPTIONS = tuple(entry.name for entry in entries_of(Voxels))
 
 
-def read_file(path: Path, *, image: Mapping[str, float] | None = None) -> Reading:
+def read_file(path: Path, *, image: Mapping[str, Any] | None = None) -> Reading:
     """Read a geometry file.
 
     Nothing is repaired, snapped, closed or merged.
@@ -24,7 +27,7 @@ def read_file(path: Path, *, image: Mapping[str, float] | None = None) -> Readin
     path
         The file; its suffix names the format, see `tusqh.readers.formats.FORMATS`.
     image
-        `voxel_size`, `empty` and `full` of an image, see `tusqh.readers.voxels.image_of`.
+        What the voxels of an image mean, see `tusqh.settings.voxels.Voxels`.
 
     Returns
     -------
@@ -52,7 +55,9 @@ def read_file(path: Path, *, image: Mapping[str, float] | None = None) -> Readin
         require(found.library, extra=found.extra)
     reader = import_module(f"tusqh.readers.{found.module}")
     try:
-        reading: Reading = reader.read(path, **(image or {}))
+        is_image = found.kind == "image"
+        options = {"meaning": Voxels(**(image or {}))} if is_image else {}
+        reading: Reading = reader.read(path, **options)
     except TusqhError:
         raise
     except Exception as error:  # Parsers raise many types over a damaged file.
@@ -65,7 +70,7 @@ def read_file(path: Path, *, image: Mapping[str, float] | None = None) -> Readin
     return reading
 
 
-def _check_options(path: Path, image: Mapping[str, float], *, is_image: bool) -> None:
+def _check_options(path: Path, image: Mapping[str, Any], *, is_image: bool) -> None:
     """Raise for options that the format of a file does not have."""
     if image and not is_image:
         raise GeometryError(

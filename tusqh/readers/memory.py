@@ -14,10 +14,12 @@ from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.soup import Soup
 from tusqh.readers.surfaces import surfaces_of_dataset, surfaces_of_scene
+from tusqh.readers.voxels import image_of
+from tusqh.settings.voxels import Voxels
 
 
 def read_object(
-    source: Any, *, name: str = "geometry", image: Mapping[str, float] | None = None
+    source: Any, *, name: str = "geometry", image: Mapping[str, Any] | None = None
 ) -> Geometry:
     """Return the geometry in an object in memory.
 
@@ -30,7 +32,7 @@ def read_object(
     name
         What messages call the geometry.
     image
-        `voxel_size`, `empty` and `full` of voxels, see `tusqh.geometry.image.Image.from_voxels`.
+        What voxels mean, see `tusqh.settings.voxels.Voxels`.
 
     Raises
     ------
@@ -38,7 +40,7 @@ def read_object(
         The source is none of these, or holds no valid geometry.
     """
     if isinstance(source, np.ndarray):
-        return Image.from_voxels(source, **(image or {}), name=name)
+        return image_of(name, source, name=name, meaning=Voxels(**(image or {}))).geometry
     if image:
         raise _damaged("`image` is given for a source that is not an image", name)
     if isinstance(source, (Outline, Soup, Image)):
@@ -46,7 +48,7 @@ def read_object(
     if _is_of("trimesh", ("Trimesh", "Scene"), source):
         return _from_trimesh(source, name)
     if _is_of("pyvista", ("DataSet",), source):
-        return Soup.from_parts(surfaces_of_dataset(source), name=name)
+        return Soup.from_parts(surfaces_of_dataset(source, name=name), name=name)
     if isinstance(source, (tuple, list)) and len(source) == 2:
         points, corners = source
         return _from_arrays(points, corners, name=name)

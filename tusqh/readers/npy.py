@@ -6,25 +6,22 @@ from pathlib import Path
 
 import numpy as np
 
+from tusqh.errors import GeometryError
+from tusqh.readers.axes import take_space
 from tusqh.readers.reading import Reading
-from tusqh.readers.voxels import image_of
+from tusqh.readers.voxels import image_of, remark_on_thin_axis
+from tusqh.settings.voxels import Voxels
 
 
-def read(
-    path: Path,
-    *,
-    voxel_size: float | None = None,
-    empty: float | None = None,
-    full: float | None = None,
-) -> Reading:
+def read(path: Path, *, meaning: Voxels) -> Reading:
     """Read the voxels; the file does not give their size.
 
     Parameters
     ----------
     path
         The file.
-    voxel_size, empty, full
-        See `tusqh.readers.voxels.image_of`.
+    meaning
+        What the voxels mean.
 
     Returns
     -------
@@ -34,7 +31,24 @@ def read(
     Raises
     ------
     GeometryError
-        The array is not an image, see `tusqh.geometry.image.Image`.
+        The file has more or fewer bytes than its header says, or the array is not an image, see
+        `tusqh.geometry.image.Image`.
     """
-    voxels = np.load(path, allow_pickle=False)
-    return image_of(path, voxels, voxel_size=voxel_size, empty=empty, full=full)
+    with path.open("rb") as file:
+        voxels = np.load(file, allow_pickle=False)
+        n_left = path.stat().st_size - file.tell()
+    if n_left:
+        raise GeometryError(
+            f"{n_left:,} bytes follow the array of shape {voxels.shape}",
+            where=str(path),
+            expected="one array, as long as its header says",
+            remedy="write it again with `numpy.save`, one array in each file",
+        )
+    take_space(str(path), voxels, [""] * voxels.ndim, channel=meaning.channel)
+    return image_of(
+        str(path),
+        voxels,
+        name=path.name,
+        meaning=meaning,
+        remarks=remark_on_thin_axis(voxels.shape),
+    )

@@ -1,32 +1,40 @@
-"""Read an image from an NRRD file: its first axis is x, and its header gives the voxel size."""
+"""Read an image from an NRRD file, in the directions and at the place that its header gives."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import nrrd
 import numpy as np
+from numpy.typing import NDArray
 
-from tusqh.readers.reading import Reading
-from tusqh.readers.voxels import image_of
+from tusqh.errors import GeometryError
+from tusqh.grid import FloatArray
+from tusqh.readers.axes import take_space
+from tusqh.readers.reading import Reading, Remark
+from tusqh.readers.voxels import image_of, remark_on_thin_axis
+from tusqh.settings.voxels import Voxels
+
+#: Components of a direction up to this, relative to its length, are taken as zero.
+_PARALLEL = 1e-6
+#: Kinds of axes that are directions of space; "" is for axes without a kind.
+_IN_SPACE = ("domain", "space", "", "???", "none")
 
 
-def read(
-    path: Path,
-    *,
-    voxel_size: float | None = None,
-    empty: float | None = None,
-    full: float | None = None,
-) -> Reading:
-    """Read the voxels and their size.
+def read(path: Path, *, meaning: Voxels) -> Reading:
+    """Read the voxels, their size and their place.
+
+    Axes are flipped and exchanged as the directions in the header say.  An origin is the centre of
+    the first voxel; without one the lowest corner of the image is at 0.
 
     Parameters
     ----------
     path
         The file.
-    voxel_size, empty, full
-        See `tusqh.readers.voxels.image_of`.
+    meaning
+        What the voxels mean.
 
     Returns
     -------
@@ -35,29 +43,142 @@ def read(
 
     Raises
     ------
-    ValueError
-        The axes are not parallel to those of space.
     GeometryError
-        The voxels are not cubes, or the array is not an image.
+        Axes are oblique or not directions of space, the voxels are not cubes, or the array is not
+        an image.
     """
     voxels, header = nrrd.read(str(path), index_order="F")
+    others = _find_others(header, voxels.ndim)
+    in_space = [i for i, name in enumerate(others) if not name]
+    voxels = take_space(str(path), voxels, others, channel=meaning.channel)
+    frame = _find_frame(str(path), header, in_space)
+    if voxels.ndim == 3:
+        voxels = np.flip(voxels, axis=tuple(i for i in range(3) if frame.steps[i] < 0))
+        voxels = voxels.transpose(np.argsort(frame.towards))
+    remarks = [] if "kinds" in header else remark_on_thin_axis(voxels.shape)
+    remarks += _remark_on_last_number(path, header)
+    order = np.argsort(frame.towards)
     return image_of(
-        path,
+        str(path),
         voxels,
-        size_in_file=_voxel_sides(header, voxels.ndim),
-        voxel_size=voxel_size,
-        empty=empty,
-        full=full,
+        name=path.name,
+        meaning=meaning,
+        sides=np.abs(frame.steps)[order].tolist(),
+        origin=_lowest_corner(frame, voxels.shape),
+        remarks=[*_remark_on_units(header), *remarks],
     )
 
 
-def _voxel_sides(header: dict[str, Any], n_axes: int) -> list[float]:
-    """Return the side lengths of a voxel that a header gives, 1 where it gives none."""
-    if "space directions" in header:
-        directions = np.asarray(header["space directions"], dtype=float)
-        if np.count_nonzero(directions) != len(directions):
-            raise ValueError("its axes are not parallel to those of space")
-        sides: list[float] = np.abs(directions).sum(axis=1).tolist()
-        return sides
-    spacings = np.asarray(header.get("spacings", [1.0] * n_axes), dtype=float)
-    return [float(x) if np.isfinite(x) else 1.0 for x in spacings]
+@dataclass(frozen=True)
+class _Frame:
+    """Where the three axes of an image lie: axis a steps by `steps[a]` along axis `towards[a]`."""
+
+    steps: FloatArray
+    towards: NDArray[np.int64]
+    #: Centre of the first voxel, None where the file does not give it.
+    first: FloatArray | None = None
+
+
+def _find_others(header: dict[str, Any], n_axes: int) -> list[str]:
+    """Return a noun for each axis, empty for directions of space."""
+    kinds = list(header.get("kinds", [])) or [""] * n_axes
+    kinds = ["" if kind is None else str(kind) for kind in kinds]
+    directions = header.get("space directions")
+    for i in range(n_axes):
+        is_outside = directions is not None and (
+            directions[i] is None or not np.isfinite(np.asarray(directions[i], dtype=float)).all()
+        )
+        kinds[i] = "" if kinds[i].lower() in _IN_SPACE else f"entries along the axis {kinds[i]!r}"
+        if is_outside and not kinds[i]:
+            kinds[i] = "entries along an axis outside space"
+    return kinds
+
+
+def _find_frame(where: str, header: dict[str, Any], in_space: list[int]) -> _Frame:
+    """Return where the axes in space lie."""
+    n_axes = len(in_space)
+    if header.get("space directions") is None:
+        spacings = np.asarray(header.get("spacings", np.ones(header["dimension"])), dtype=float)
+        steps = np.array([spacings[i] if np.isfinite(spacings[i]) else 1.0 for i in in_space])
+        if "spacings" not in header:
+            steps = _steps_between_ends(header, in_space, steps)
+        return _Frame(_of_three(steps, 1.0), np.arange(3))
+    rows = [np.asarray(header["space directions"][i], dtype=float) for i in in_space]
+    matrix = np.array(rows)
+    if matrix.shape != (3, 3):
+        if n_axes != 3:  # Explained with the shape of the array.
+            return _Frame(np.ones(3), np.arange(3))
+        raise _oblique(where, f"its directions have {matrix.shape[-1]} components")
+    lengths = np.linalg.norm(matrix, axis=1)
+    is_along = np.abs(matrix) > _PARALLEL * lengths[:, None]
+    if not (is_along.sum(axis=0) == 1).all() or not (is_along.sum(axis=1) == 1).all():
+        shown = " ".join(f"({', '.join(f'{x:g}' for x in row)})" for row in matrix)
+        raise _oblique(where, f"its axes {shown} are not parallel to those of space")
+    towards = np.argmax(is_along, axis=1)
+    origin = header.get("space origin")
+    first = None if origin is None else np.asarray(origin, dtype=float)
+    if first is not None and not np.isfinite(first).all():
+        first = None
+    return _Frame(matrix[np.arange(3), towards], towards, first)
+
+
+def _steps_between_ends(
+    header: dict[str, Any], in_space: list[int], steps: FloatArray
+) -> FloatArray:
+    """Return the steps that "axis mins" and "axis maxs" give where there are no spacings."""
+    if "axis mins" not in header or "axis maxs" not in header:
+        return steps
+    ends = [np.asarray(header[key], dtype=float)[in_space] for key in ("axis mins", "axis maxs")]
+    is_node = [str(header.get("centers", [""] * 9)[i]) == "node" for i in in_space]
+    numbers = np.asarray(header["sizes"], dtype=float)[in_space] - is_node
+    with np.errstate(divide="ignore", invalid="ignore"):
+        between = np.abs(ends[1] - ends[0]) / numbers
+    return np.where(np.isfinite(between) & (between > 0), between, steps)
+
+
+def _of_three(numbers: FloatArray, other: float) -> FloatArray:
+    """Return three numbers; an image of fewer axes is refused later."""
+    return np.append(numbers, [other] * 3)[:3]
+
+
+def _lowest_corner(frame: _Frame, shape: tuple[int, ...]) -> list[float]:
+    """Return the lowest corner of an image whose axes are already in the order of space."""
+    if frame.first is None or len(shape) != 3:
+        return [0.0, 0.0, 0.0]
+    order = np.argsort(frame.towards)
+    steps = frame.steps[order]
+    far = frame.first + np.where(steps < 0, steps * (np.array(shape) - 1), 0.0)
+    corner: list[float] = (far - np.abs(steps) / 2).tolist()
+    return corner
+
+
+def _remark_on_units(header: dict[str, Any]) -> list[Remark]:
+    """Return a remark on the unit of length that the header gives."""
+    units = header.get("space units", header.get("units", []))
+    named = sorted({str(unit) for unit in units if unit is not None and str(unit).strip(' "')})
+    if not named or named == ["nan"]:
+        return []
+    what = f"unit of length in the file: {', '.join(named)}"
+    return [Remark("noted", what, len(named), "give it as the `unit` of the model")]
+
+
+def _remark_on_last_number(path: Path, header: dict[str, Any]) -> list[Remark]:
+    """Return a remark where the last number of a text may have lost digits."""
+    if str(header["encoding"]).lower() not in ("ascii", "text", "txt") or "data file" in header:
+        return []
+    with path.open("rb") as file:
+        file.seek(-1, 2)
+        if file.read(1).isspace():
+            return []
+    what = "last number without an end of line: the file may be cut off"
+    return [Remark("noted", what, 1)]
+
+
+def _oblique(where: str, found: str) -> GeometryError:
+    """Return the error for axes that are not those of space."""
+    return GeometryError(
+        found,
+        where=where,
+        expected="an image whose axes are parallel to x, y and z",
+        remedy="resample the image along the axes of space",
+    )

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from tusqh.errors import GeometryError
 from tusqh.extras import require
 from tusqh.geometry.soup import Part
 
@@ -40,15 +41,30 @@ def surfaces_of_scene(scene: Any) -> list[Part]:
     return surfaces
 
 
-def surfaces_of_dataset(dataset: Any) -> list[Part]:
+def surfaces_of_dataset(dataset: Any, *, name: str = "dataset") -> list[Part]:
     """Return the surface of a dataset; of a volume mesh, its boundary.
 
     Parameters
     ----------
     dataset
         A `pyvista.DataSet`.
+    name
+        The file, for messages.
+
+    Raises
+    ------
+    GeometryError
+        The dataset is an image, which is a solid box without its values.
     """
     pyvista = require("pyvista", extra="formats")
+    if isinstance(dataset, (pyvista.ImageData, pyvista.RectilinearGrid)):
+        shape = " x ".join(str(n) for n in dataset.dimensions)
+        raise GeometryError(
+            f"it holds an image of {shape} points, and an image is not a surface",
+            where=name,
+            expected="a surface or a volume mesh",
+            remedy="write its values as an image: NPY, NRRD or TIFF",
+        )
     if not isinstance(dataset, pyvista.PolyData):
         dataset = dataset.extract_surface(pass_pointid=False, pass_cellid=False, algorithm=None)
     faces = dataset.triangulate().faces.reshape(-1, 4)[:, 1:]

@@ -2,29 +2,40 @@
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import tifffile
+from numpy.typing import NDArray
 
-from tusqh.readers.reading import Reading
-from tusqh.readers.voxels import image_of
+from tusqh.errors import GeometryError
+from tusqh.extras import require
+from tusqh.readers.axes import take_space
+from tusqh.readers.reading import Reading, Remark
+from tusqh.readers.tiff_pages import check_data, count_pages
+from tusqh.readers.tiff_sizes import voxel_sides
+from tusqh.readers.voxels import image_of, remark_on_thin_axis
+from tusqh.settings.voxels import Voxels
+
+#: Axes of tifffile that are not directions of space.
+_OTHERS = {"C": "channels (axis C)", "T": "times (axis T)", "S": "colours (axis S)"}
+#: Axes that can be pages without further meaning.
+_PAGES = "IQ"
 
 
-def read(
-    path: Path,
-    *,
-    voxel_size: float | None = None,
-    empty: float | None = None,
-    full: float | None = None,
-) -> Reading:
-    """Read the voxels, without turning any axis; the resolution in the file is not read.
+def read(path: Path, *, meaning: Voxels) -> Reading:
+    """Read the voxels, without turning any axis, and their size as ImageJ or OME give it.
 
     Parameters
     ----------
     path
         The file.
-    voxel_size, empty, full
-        See `tusqh.readers.voxels.image_of`.
+    meaning
+        What the voxels mean.
 
     Returns
     -------
@@ -33,16 +44,116 @@ def read(
 
     Raises
     ------
-    ValueError
-        The pages have colours or different shapes.
     GeometryError
-        The stack is not an image, see `tusqh.geometry.image.Image`.
+        The file is cut off, its pages have different shapes, an axis is not a direction of space,
+        the voxels are not cubes, or the stack is not an image, see `tusqh.geometry.image.Image`.
     """
-    with tifffile.TiffFile(path) as file:
-        series = file.series[0]
-        if "S" in series.axes:
-            raise ValueError(f"its pages have colours (axes {series.axes})")
-        if len(file.series) > 1:
-            raise ValueError(f"it holds {len(file.series)} images of different shapes")
-        voxels = series.asarray().transpose()
-    return image_of(path, voxels, voxel_size=voxel_size, empty=empty, full=full)
+    count_pages(path)
+    with _warnings() as warnings, tifffile.TiffFile(path) as file:
+        try:
+            voxels, axes, n_empty = _stack(path, file)
+        except ValueError as error:  # tifffile does without imagecodecs where it can.
+            if "imagecodecs" in str(error):
+                require("imagecodecs", extra="formats")
+            raise
+        sides = [1.0, 1.0, 1.0]
+        remarks: list[Remark] = []
+        if meaning.voxel_size is None:
+            sides, remarks = voxel_sides(str(path), file)
+        remarks += _remark_on_page(file.pages[0])
+    if n_empty:
+        remarks.append(Remark("noted", "parts of pages without data, read as 0", n_empty))
+    remarks += [Remark("noted", f"warning of tifffile: {text}", 1) for text in warnings]
+    others = [_OTHERS.get(axis, "" if axis in "XYZ" else f"entries along {axis}") for axis in axes]
+    voxels = take_space(str(path), voxels, others, channel=meaning.channel)
+    left = [axis for axis, other in zip(axes, others, strict=True) if not other]
+    voxels = voxels.transpose([left.index(axis) for axis in "XYZ" if axis in left])
+    if not set(_PAGES).isdisjoint(file.series[0].axes) or len(file.series) > 1:
+        remarks += remark_on_thin_axis(voxels.shape)
+    return image_of(
+        str(path), voxels, name=path.name, meaning=meaning, sides=sides, remarks=remarks
+    )
+
+
+def _stack(path: Path, file: Any) -> tuple[NDArray[Any], str, int]:
+    """Return the only image of a file, or all of its pages as one, with a letter for each axis."""
+    shapes = [(series.shape, series.dtype, series.axes) for series in file.series]
+    if not shapes:
+        raise ValueError("it has no pages")
+    if len(shapes) > 1 and (len(set(shapes)) > 1 or shapes[0][2] != "YX"):
+        sizes = list(dict.fromkeys(" x ".join(map(str, shape)) for shape, _, _ in shapes))
+        kinds = f"shapes {', '.join(sizes[:4])}" if len(sizes) > 1 else f"shape {sizes[0]}"
+        raise GeometryError(
+            f"the file holds {len(shapes)} images of {kinds} (last axis first)",
+            where=str(path),
+            expected="one stack of pages of one shape and type",
+            remedy="export one of them as a file of its own",
+        )
+    n_empty = sum(check_data(path, series) for series in file.series)
+    _check_number(path, file)
+    if len(shapes) > 1:
+        return np.stack([series.asarray() for series in file.series]), "ZYX", n_empty
+    axes = str(file.series[0].axes)
+    pages = [axis for axis in axes if axis in _PAGES]
+    if len(pages) == 1 and "Z" not in axes:
+        axes = axes.replace(pages[0], "Z")
+    return file.series[0].asarray(), axes, n_empty
+
+
+def _check_number(path: Path, file: Any) -> None:
+    """Raise where ImageJ's description counts other images than the file has."""
+    stated = (file.imagej_metadata or {}).get("images")
+    n_found = sum(
+        int(np.prod([n for n, axis in zip(s.shape, s.axes, strict=True) if axis not in "YXS"]))
+        for s in file.series
+    )
+    if stated is not None and int(stated) != n_found:
+        raise GeometryError(
+            f"the file holds {n_found:,} images",
+            where=str(path),
+            expected=f"{int(stated):,} images, as its description says",
+            remedy="copy or download it again, or export it again",
+        )
+
+
+def _remark_on_page(page: Any) -> list[Remark]:
+    """Return remarks on tags that change what numbers and rows mean, and are not followed."""
+    remarks = []
+    if int(page.photometric) == 0:
+        remedy = "give `empty` above `full` where the bright voxels are the material"
+        remarks.append(Remark("noted", "stack in which 0 is white", 1, remedy))
+    if int(page.photometric) == 3:
+        remarks.append(Remark("left out", "palette of colours; its numbers are read", 1))
+    turned = page.tags.get("Orientation")
+    if turned is not None and int(turned.value) != 1:
+        what = f"tag Orientation {int(turned.value)}: rows and columns are read as they are stored"
+        remarks.append(Remark("left out", what, 1, "export the stack without turning its pages"))
+    return remarks
+
+
+class _Collector(logging.Handler):
+    """Keeps the messages of tifffile."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.texts: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keep a message once."""
+        text = record.getMessage().splitlines()[0]
+        if text not in self.texts and len(self.texts) < 5:
+            self.texts.append(text)
+
+
+@contextmanager
+def _warnings() -> Iterator[list[str]]:
+    """Collect what tifffile logs, instead of writing it to standard error."""
+    logger, collector = logging.getLogger("tifffile"), _Collector()
+    was_open = logger.propagate
+    logger.addHandler(collector)
+    logger.propagate = False
+    try:
+        yield collector.texts
+    finally:
+        logger.removeHandler(collector)
+        logger.propagate = was_open

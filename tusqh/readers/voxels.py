@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,51 +10,159 @@ from numpy.typing import NDArray
 
 from tusqh.errors import GeometryError
 from tusqh.geometry.image import Image
-from tusqh.readers.reading import Reading
+from tusqh.readers import labels
+from tusqh.readers.reading import Reading, Remark
+from tusqh.settings.voxels import Voxels
 
 #: Voxels whose side lengths differ by at most this, relatively, count as cubes.
 _CUBIC = 1e-6
+#: Different whole numbers up to this many deserve a remark where they are read as grey values.
+_FEW = 16
 
 
 def image_of(
-    path: Path,
+    where: str,
     voxels: NDArray[Any],
     *,
-    size_in_file: Sequence[float] = (1.0, 1.0, 1.0),
-    voxel_size: float | None = None,
-    empty: float | None = None,
-    full: float | None = None,
+    name: str,
+    meaning: Voxels,
+    sides: Sequence[float] = (1.0, 1.0, 1.0),
+    origin: Sequence[float] = (0.0, 0.0, 0.0),
+    remarks: Sequence[Remark] = (),
 ) -> Reading:
-    """Return voxels as an image named after their file.
+    """Return voxels as an image.
 
     Parameters
     ----------
-    path
+    where
         The file, for messages.
     voxels
-        Grey values, shape (nx, ny, nz).
-    size_in_file
+        Grey values or labels, shape (nx, ny, nz).
+    name
+        Name of the image.
+    meaning
+        The options, see `tusqh.settings.voxels.Voxels`; the channel is already chosen.
+    sides
         Side lengths of a voxel as the file gives them, 1 where it gives none.
-    voxel_size
-        Edge length of a voxel, in the model's unit, instead of the file's.
-    empty, full
-        Grey values of fraction 0 and 1, see `tusqh.geometry.image.Image.from_voxels`.
+    origin
+        Lowest corner of voxel (0, 0, 0) in the file's unit.  A given voxel size scales it.
+    remarks
+        What the reader has to say.
 
     Raises
     ------
     GeometryError
-        The voxels are not cubes, or the array is not an image.
+        The voxels are not cubes, the array is not an image, or its labels need a choice.
     """
-    sides = list(size_in_file)
-    if voxel_size is None and not np.ptp(sides) <= _CUBIC * max(sides):
+    size = _size_of(where, sides, meaning.voxel_size)
+    empty, full, said = meaning.empty, meaning.full, list(remarks)
+    if voxels.ndim == 3 and voxels.size:
+        voxels, empty, full, more = _interpret(where, voxels, meaning)
+        said += more
+    image = Image.from_voxels(
+        voxels,
+        voxel_size=size,
+        empty=empty,
+        full=full,
+        origin=[float(o) / s * size for o, s in zip(origin, sides, strict=True)],
+        name=name,
+    )
+    return Reading(image, tuple(said))
+
+
+def remark_on_thin_axis(shape: Sequence[int]) -> list[Remark]:
+    """Return a remark on an axis that looks like colours or channels, if there is one.
+
+    Parameters
+    ----------
+    shape
+        Numbers of voxels along axes that the file does not name.
+    """
+    thin = min(shape, default=0)
+    if len(shape) != 3 or not 2 <= thin <= 4 or sorted(shape)[1] < 16:
+        return []
+    remedy = "if they are colours or channels, give one of them as an image of three axes"
+    return [Remark("noted", f"layers along axis {'xyz'[list(shape).index(thin)]}", thin, remedy)]
+
+
+def _size_of(where: str, sides: Sequence[float], given: float | None) -> float:
+    """Return the edge length of a voxel."""
+    if given is not None:
+        return given
+    if not np.ptp(sides) <= _CUBIC * max(sides):
         raise GeometryError(
             f"a voxel measures {' x '.join(f'{s:g}' for s in sides)}",
-            where=str(path),
+            where=where,
             expected="cubic voxels",
             remedy="resample the image to cubes, or give `voxel_size` if the header is wrong",
         )
-    return Reading(
-        Image.from_voxels(
-            voxels, voxel_size=voxel_size or sides[0], empty=empty, full=full, name=path.name
+    return sides[0]
+
+
+_Interpretation = tuple[NDArray[Any], float | None, float | None, list[Remark]]
+
+
+def _interpret(where: str, voxels: NDArray[Any], meaning: Voxels) -> _Interpretation:
+    """Return voxels, `empty` and `full`, with labels replaced by the voxels of material."""
+    if meaning.labels is not None:
+        return _take_labels(where, voxels, meaning.labels)
+    plain = voxels, meaning.empty, meaning.full
+    whole = labels.as_whole_numbers(voxels)
+    if meaning.empty is not None or meaning.full is not None or whole is None:
+        return *plain, []
+    values, counts = labels.count_values(whole)
+    if values[0] < 0:
+        return *plain, []
+    if len(values) == 2 and values[0] > 0:
+        low, high = values.tolist()
+        remedy = f"give `labels`, or `empty` and `full`, if {low} is not the background"
+        said = Remark("noted", f"values: {low} is taken as empty, {high} as material", 2, remedy)
+        return voxels, low, high, [said]
+    if labels.look_like_labels(whole, values):
+        if values[0] != 0:
+            raise GeometryError(
+                f"the {len(values):,} labels {labels.to_text(values)} have no background 0",
+                where=where,
+                expected="an image of labels in which 0 is empty, or grey values",
+                remedy="give the `labels` of the material, or `empty` and `full` for grey values",
+            )
+        material = labels.to_text(values[1:])
+        remedy = "give `labels` to choose some, or `empty` and `full` if they are grey values"
+        said = Remark("changed", f"labels into material: {material}", len(values) - 1, remedy)
+        return whole != 0, None, None, [said]
+    return *plain, _remark_on_greys(values, counts) if voxels.dtype.kind in "ui" else []
+
+
+def _take_labels(where: str, voxels: NDArray[Any], wanted: Sequence[int]) -> _Interpretation:
+    """Return where the voxels have one of some labels."""
+    is_material = np.isin(voxels, wanted)
+    missing = [label for label in wanted if not (voxels[is_material] == label).any()]
+    if missing:
+        found = np.unique(voxels)
+        raise GeometryError(
+            f"no voxel has the label {missing[0]}",
+            where=where,
+            expected=f"labels of the image: {labels.to_text(found.tolist())}",
+            remedy="correct `labels`",
         )
+    n_left = int(np.count_nonzero(voxels[~is_material]))
+    said = [Remark("left out", "voxels of other labels than those given", n_left)] if n_left else []
+    return is_material, None, None, said
+
+
+def _remark_on_greys(values: NDArray[np.int64], counts: NDArray[np.int64]) -> list[Remark]:
+    """Return what is odd about whole numbers that are read as fractions of the largest one."""
+    if len(values) < 3:
+        return []
+    greatest = int(values[-1])
+    what = f"grey values from {values[0]} to {greatest}, read as fractions of {greatest}"
+    if len(values) <= _FEW:
+        return [Remark("noted", what, len(values), "if they are labels, give `labels`")]
+    peaks = labels.suggest_levels(values, counts)
+    if peaks is None or max(peaks[0], greatest - peaks[1]) <= 0.02 * greatest:
+        return []
+    low, high = peaks
+    remedy = (
+        f"the histogram has its peaks at {low} and {high}: consider `empty` {low}, `full` {high}"
     )
+    return [Remark("noted", what, len(values), remedy)]

@@ -29,4 +29,6 @@ def read(path: Path) -> Reading:
     GeometryError
         The soup is empty, without extent or not finite.
     """
-    return Reading(Soup.from_parts(surfaces_of_dataset(pyvista.read(path)), name=path.name))
+    return Reading(
+        Soup.from_parts(surfaces_of_dataset(pyvista.read(path), name=str(path)), name=path.name)
+    )
