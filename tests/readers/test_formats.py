@@ -30,6 +30,7 @@ OTHERS = {
     "tiff_sizes",
     "voxels",
 }
+OTHERS |= {"loose", "polygons_of_maps", "rings"}
 
 
 def test_every_reader_is_in_the_table_and_every_suffix_once(repository):

@@ -51,27 +51,26 @@ def test_geojson_keeps_every_ring_as_it_is(tmp_path):
                     "geometries": [
                         {"type": "MultiPolygon", "coordinates": [[open_ring], [SQUARE]]},
                         {"type": "Point", "coordinates": [9, 9]},
-                        {"type": "LineString", "coordinates": [[0, 0, 7], [0.1, 2, 7]]},
-                        {"type": "MultiLineString", "coordinates": [[[0, 0], [0, 3]]]},
                     ],
                 },
             },
         ],
     }
     path = geojson(tmp_path / "a.geojson", collection)
-    lines = [[[0, 0], [0.1, 2]], [[0, 0], [0, 3]]]
-    assert chains_of(path) == [SQUARE, hole, open_ring, SQUARE, *lines]
+    assert chains_of(path) == [SQUARE, hole, open_ring, SQUARE]
     assert read_file(path).geometry.name == "a.geojson"
 
 
 @pytest.mark.parametrize("outer", [SQUARE, SQUARE[::-1]], ids=["ccw", "cw"])
 def test_holes_of_geojson_polygons_turn_against_their_outer_ring(tmp_path, outer):
     ring = np.array([[0.25, 0.25], [0.5, 0.25], [0.5, 0.5], [0.25, 0.25]])
-    for hole in (ring, ring[::-1], ring + np.array([1e7, -1e7])):
-        polygon = {"type": "Polygon", "coordinates": [outer, hole.tolist()]}
+    far = np.array([1e7, -1e7])
+    for hole, shift in ((ring, 0 * far), (ring[::-1], 0 * far), (ring + far, far)):
+        around = (outer + shift).tolist()
+        polygon = {"type": "Polygon", "coordinates": [around, hole.tolist()]}
         for item in (polygon, {"type": "MultiPolygon", "coordinates": [polygon["coordinates"]]}):
             first, second = chains_of(geojson(tmp_path / "a.geojson", item))
-            assert first == outer, "the outer ring as it is"
+            assert first == around, "the outer ring as it is"
             assert sorted(map(tuple, second)) == sorted(map(tuple, hole.tolist()))
             areas = [shapely.LinearRing(chain).is_ccw for chain in (first, second)]
             assert areas[0] != areas[1]
@@ -142,7 +141,7 @@ def test_dxf_straight_entities_are_exact(tmp_path):
         space.add_lwpolyline(corners)
         space.add_lwpolyline(corners, close=True)
         space.add_polyline2d(corners, close=True)
-        space.add_polyline3d(corners)
+        space.add_polyline3d([(5, 5), (6, 5), (6, 6)])
         space.add_text("not a line")
 
     open_chain = [list(map(float, c)) for c in corners]
@@ -150,8 +149,7 @@ def test_dxf_straight_entities_are_exact(tmp_path):
         [[0.1, 0.2], [3, 4]],
         open_chain,
         [*open_chain, open_chain[0]],
-        [*open_chain, open_chain[0]],
-        open_chain,
+        [[5, 5], [6, 5], [6, 6]],
     ]
 
 
@@ -225,10 +223,16 @@ def test_unsupported_suffix_names_the_supported_ones(tmp_path):
     [
         ("a.geojson", '{"type": "Poly', "Unterminated string"),
         ("a.geojson", '{"type": "Circle"}', "'Circle' is not a GeoJSON type"),
-        ("a.geojson", "[1, 2]", "is not a GeoJSON type"),
+        ("a.geojson", "[1, 2]", "the file is a list of 2 entries"),
+        ("a.geojson", '{"type": "Feature", "geometry": 3}', "is 3"),
+        ("a.geojson", '{"type": "FeatureCollection", "features": {}}', "an object as `features`"),
         ("a.geojson", '{"type": "Polygon"}', "coordinates"),
         ("a.geojson", '{"type": "LineString", "coordinates": [["0", 1], [2, 3]]}', "is text"),
-        ("a.geojson", '{"type": "LineString", "coordinates": [[0, 1], [2]]}', "inhomogeneous"),
+        (
+            "a.geojson",
+            '{"type": "LineString", "coordinates": [[0, 1], [2]]}',
+            "fewer than two numbers",
+        ),
         ("a.svg", "<svg><path></svg>", "mismatched tag"),
         ("a.svg", "<html/>", "not <svg>"),
         ("a.svg", '<svg><path d="M 0 0 L"/></svg>', "expects 2"),
@@ -240,7 +244,7 @@ def test_corrupt_file_carries_the_message_of_the_parser(tmp_path, name, text, me
     with pytest.raises(GeometryError, match="cannot be read") as caught:
         read_file(write(tmp_path / name, text))
     assert message in caught.value.found
-    assert caught.value.where.endswith(name)
+    assert name in caught.value.where
 
 
 def test_binary_rubbish_is_not_a_crash(tmp_path):

@@ -113,6 +113,7 @@ def _gaps(regions: _Regions, narrowest: float) -> FloatArray:
 def _holes(regions: _Regions) -> _Regions:
     """Return the interior rings of regions, as polygons."""
     polygons = shapely.get_parts(regions)
+    polygons = polygons[~shapely.is_empty(polygons)]
     rings = shapely.get_rings(polygons)
     n_rings = 1 + shapely.get_num_interior_rings(polygons)
     is_exterior = np.zeros(len(rings), dtype=bool)

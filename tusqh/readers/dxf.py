@@ -1,8 +1,13 @@
-"""Read a DXF drawing: lines, polylines and curves of its model space."""
+"""Read a DXF drawing: lines, polylines and curves of its model space.
+
+DXF does not say what is inside, so loose lines are chained by their end points and the areas are
+those of the even-odd rule, see `tusqh.readers.loose`.
+"""
 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -11,10 +16,12 @@ import ezdxf.path
 import numpy as np
 from ezdxf.filemanagement import readfile
 
+from tusqh.errors import GeometryError
 from tusqh.geometry.outline import Outline
 from tusqh.grid import FloatArray
 from tusqh.readers.curves import CHORD_TOLERANCE, flatten_curve
-from tusqh.readers.reading import Reading
+from tusqh.readers.loose import join_loose
+from tusqh.readers.reading import Reading, Remark
 
 #: A polyline's arc becomes a third as many Bezier curves: a millionth of its radius off at most.
 _ARC_SEGMENTS = 24
@@ -24,13 +31,13 @@ _CURVES = ("ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 
 
 def read(path: Path) -> Reading:
-    """Read the entities as polylines, in file order.
+    """Read the entities as polylines, chained to outlines where their ends meet.
 
     Read are LINE, LWPOLYLINE, POLYLINE, ARC, CIRCLE, ELLIPSE and SPLINE in model space, also
-    inside blocks (INSERT); meshes, text, hatches and dimensions are skipped.  Straight
-    lines are kept exactly, curves become chords within `CHORD_TOLERANCE` of them, relative to
-    the drawing.  A polyline closes only if its closed flag says so.  The third coordinate is
-    dropped.
+    inside blocks (INSERT); everything else, and what is on layers that are off or frozen, is
+    counted in the remarks.  Straight lines are kept exactly, curves become chords within
+    `CHORD_TOLERANCE` of them, relative to the drawing.  A polyline closes only if its closed
+    flag says so, or where its ends meet.  The third coordinate is dropped.
 
     Parameters
     ----------
@@ -47,20 +54,54 @@ def read(path: Path) -> Reading:
     GeometryError
         The outline is empty, without extent or not finite.
     """
-    space = readfile(path).modelspace()
-    entities = [entity for entity in _exploded(space) if _is_line_work(entity)]
-    extent = ezdxf.path.bbox(
-        (ezdxf.path.make_path(entity) for entity in entities), fast=True
-    ).size  # of the control points, so never too small by much
-    tolerance = CHORD_TOLERANCE * max(extent.x, extent.y) if entities else 0.0
+    document = readfile(path)
+    hidden = {
+        layer.dxf.name.lower() for layer in document.layers if layer.is_off() or layer.is_frozen()
+    }
+    found = [(e, _reason_to_skip(e, hidden)) for e in _exploded(document.modelspace())]
+    entities = [entity for entity, reason in found if not reason]
+    skipped = Counter(reason for _, reason in found if reason)
+    remarks = [Remark("left out", what, skipped[what]) for what in sorted(skipped)]
+    n_paper = sum(len(layout) for layout in document.layouts if not layout.is_modelspace)
+    if n_paper:
+        remarks.append(Remark("left out", "entities of paper layouts", n_paper))
+    if not entities and skipped:
+        raise GeometryError(
+            "the geometry is empty: no line or curve, but "
+            + ", ".join(f"{skipped[what]:,} {what}" for what in sorted(skipped)),
+            where=str(path),
+            expected="lines, polylines, arcs, circles, ellipses or splines in model space",
+            remedy="explode or trace these in the program that wrote the file, and turn hidden "
+            "layers on",
+        )
+    tolerance = _tolerance_of(entities)
     chains = [_chain_of(entity, tolerance or 1.0) for entity in entities]
-    return Reading(Outline.from_chains(chains, name=path.name))
+    joined, of_chains = join_loose(chains)
+    remarks += [*_on_heights(entities), *of_chains]
+    return Reading(Outline.from_chains(joined, name=path.name), tuple(remarks))
+
+
+def _tolerance_of(entities: list[Any]) -> float:
+    """Return how far chords may be off, from the control points: never too small by much."""
+    if not entities:
+        return 0.0
+    extent = ezdxf.path.bbox((ezdxf.path.make_path(e) for e in entities), fast=True).size
+    return CHORD_TOLERANCE * float(max(extent.x, extent.y))
+
+
+def _on_heights(entities: list[Any]) -> list[Remark]:
+    """Return the remark on entities that do not lie in one plane of constant height."""
+    paths = [ezdxf.path.make_path(entity) for entity in entities]
+    heights = [[v.z for v in p.control_vertices()] for p in paths if len(p)]
+    n_steep = sum(max(z) - min(z) > 1e-6 * (1 + abs(max(z))) for z in heights if z)
+    what = "entities with different heights, seen from above"
+    return [Remark("changed", what, n_steep)] if n_steep else []
 
 
 def _exploded(entities: Iterable[Any]) -> Iterator[Any]:
     """Yield the entities with block references replaced by what they show."""
     for entity in entities:
-        if entity.dxftype() == "INSERT":
+        if entity.dxftype() == "INSERT" and entity.block() is not None:
             copies = entity.multi_insert() if entity.mcount > 1 else [entity]
             for copy in copies:
                 yield from _exploded(copy.virtual_entities())
@@ -68,12 +109,18 @@ def _exploded(entities: Iterable[Any]) -> Iterator[Any]:
             yield entity
 
 
-def _is_line_work(entity: Any) -> bool:
-    """Whether an entity is a line or a curve."""
+def _reason_to_skip(entity: Any, hidden: set[str]) -> str:
+    """Return what an entity that is left out is called, empty for lines and curves."""
     kind = entity.dxftype()
-    if kind == "POLYLINE":
-        return bool(entity.is_2d_polyline or entity.is_3d_polyline)
-    return kind == "LINE" or kind in _POLYLINES or kind in _CURVES
+    if kind == "INSERT":
+        return "references to blocks that the file does not have"
+    if kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline):
+        return "meshes (POLYLINE)"
+    if kind != "LINE" and kind not in _POLYLINES and kind not in _CURVES:
+        return f"{kind} entities"
+    if entity.dxf.get("invisible", 0) or entity.dxf.get("layer", "0").lower() in hidden:
+        return "lines and curves that are hidden, or on layers that are off or frozen"
+    return ""
 
 
 def _chain_of(entity: Any, tolerance: float) -> FloatArray:

@@ -9,16 +9,18 @@ from typing import Any
 import numpy as np
 import shapefile
 
-from tusqh.geometry.outline import Outline
 from tusqh.grid import FloatArray
+from tusqh.readers.polygons_of_maps import Map, reading_of_map
 from tusqh.readers.reading import Reading
+from tusqh.readers.rings import even_odd_sides, regions_of
 
 
 def read(path: Path) -> Reading:
     """Read every ring and line as a chain, in file order.
 
     Only the ``.shp`` itself is read, neither its table nor its coordinate system; points and
-    empty shapes have no lines and are skipped; z and m are dropped.
+    empty shapes have no lines and are skipped; z and m are dropped.  A ring is a hole if it lies
+    in an odd number of other rings of its shape, whatever its direction.
 
     Parameters
     ----------
@@ -42,16 +44,36 @@ def read(path: Path) -> Reading:
             shapes = list(reader.iterShapes())
     except (struct.error, shapefile.ShapefileException) as reason:
         raise ValueError(f"the shapefile is damaged ({reason})") from reason
-    chains = [chain for shape in shapes for chain in _chains_of(shape)]
-    return Reading(Outline.from_chains(chains, name=path.name))
+    found = Map()
+    for number, shape in enumerate(shapes):
+        _add(shape, found, f"shape {number}")
+    return reading_of_map(found, name=path.name)
 
 
-def _chains_of(shape: Any) -> list[FloatArray]:
-    """Return the parts of a shape, each of shape (k, 2)."""
+def _add(shape: Any, found: Map, place: str) -> None:
+    """Add the parts of a shape to those found."""
     kind = shape.shapeTypeName
-    if kind == "NULL" or "POINT" in kind:
-        return []
+    if kind == "NULL":
+        return
+    if "POINT" in kind:
+        found.n_points += len(shape.points)
+        return
     if not kind.startswith(("POLYGON", "POLYLINE")):
         raise ValueError(f"shapes of type {kind} are not outlines")
     points = np.array(shape.points, dtype=np.float64).reshape(-1, 2)
-    return np.split(points, list(shape.parts)[1:])
+    parts = np.split(points, list(shape.parts)[1:])
+    if kind.startswith("POLYLINE"):
+        found.lines += parts
+        return
+    for ring, side in zip(parts, _sides_of(parts), strict=True):
+        if side > 0:
+            found.add_polygon([ring], place)
+        else:
+            found.add_hole(ring, place)
+
+
+def _sides_of(rings: list[FloatArray]) -> list[int]:
+    """Return for every ring of a shape whether it is outer (1) or a hole (-1)."""
+    if any(len(ring) < 3 or not np.isfinite(ring).all() for ring in rings):
+        return [1] * len(rings)
+    return [int(side) for side in even_odd_sides(regions_of(rings))]

@@ -33,6 +33,7 @@ from tusqh.sampling.doubled_grid import (
 )
 from tusqh.sampling.field import WindingField, make_field
 from tusqh.sampling.lattice import Box, Lattice
+from tusqh.sampling.nothing_inside import nothing_inside
 from tusqh.settings.sampling import Domain, Orientation, Sampling
 
 #: About how many samples a slab of the lattice holds: this bounds memory and paces progress.
@@ -165,13 +166,7 @@ def sample_fractions(
         clipped = _clipped_slabs(field, lattice, sign, domain, progress)
         multiples = average_half_blocks(clipped, lattice)
     if not tally.is_nonzero:
-        raise SamplingError(
-            "the winding number is zero everywhere, so the geometry has no inside",
-            where=geometry.name,
-            expected="a geometry that encloses something, each border walked once",
-            remedy="remove one of the two copies if every border is there twice in opposite "
-            "directions (double-sided sheets)",
-        )
+        raise nothing_inside(geometry, grid.cell_size / samples)
     fractions = VolumeFractions(grid=grid, samples=samples, multiples=multiples)
     if not (multiples[doubled.cells(grid.dim)] > 0).any():
         raise SamplingError(

@@ -50,7 +50,7 @@ def take_threshold(
         plateaus,
         {
             "threshold": threshold,
-            "cell_margin": float(np.abs(cell_sets.levels - threshold).min()),
+            "cell_margin": _cell_margin(cell_sets, threshold),
         },
         cells,
         wanted=f"the threshold {threshold:g}",
@@ -59,6 +59,12 @@ def take_threshold(
     )
     none = pd.DataFrame(columns=PREDICTED, dtype=float)
     return selection, rank_candidates(none, pd.Series(dtype=bool))
+
+
+def _cell_margin(cell_sets: CellSets, threshold: float) -> float:
+    """Return the distance to where any cell changes; to 0 if every fraction is 0 or above 1."""
+    levels = cell_sets.levels if len(cell_sets.levels) else np.zeros(1)
+    return float(np.abs(levels - threshold).min())
 
 
 def _find_interval(plateaus: Plateaus, threshold: float, betti: BettiNumbers) -> Interval:
