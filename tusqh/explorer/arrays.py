@@ -45,6 +45,11 @@ def field_arrays(fractions: VolumeFractions) -> Arrays:
 
     A cell of rank r is kept at thresholds up to ``levels[r]``; those of rank 0 never are.
 
+    Parameters
+    ----------
+    fractions
+        Volume fractions of cells and sub-cells.
+
     Examples
     --------
     >>> values = np.zeros((5, 3))
@@ -154,6 +159,13 @@ def pair_arrays(pairs: pd.DataFrame, grid: BackgroundGrid) -> Arrays:
 def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid) -> Arrays:
     """Return a mesh as facets between elements, so that the page can cut it open.
 
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    grid
+        The background grid it was made on.
+
     Returns
     -------
     arrays
@@ -200,6 +212,13 @@ def geometry_arrays(geometry: Geometry, grid: BackgroundGrid) -> Arrays:
 
     Points are rounded to 2^16 steps along the longest side of the geometry's box; `box` holds its
     lowest corner and that side.  A geometry of too many pieces has none, nor have images.
+
+    Parameters
+    ----------
+    geometry
+        An outline, soup or image.
+    grid
+        The background grid; coordinates are in its cells.
     """
     if isinstance(geometry, Image):
         points, pieces = np.zeros((1, 3)), np.empty((0, 3), dtype=np.int64)

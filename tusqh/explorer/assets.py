@@ -19,6 +19,13 @@ THREE, THREE_LICENCE = "vendor/three.iife.min.js", "vendor/three.LICENSE"
 def read_asset(name: str) -> str:
     """Return the text of a file of this package.
 
+    Parameters
+    ----------
+    name
+        Path relative to this package, such as ``page/template.html``.
+
+    Examples
+    --------
     >>> read_asset(TEMPLATE).splitlines()[0]
     '<!doctype html>'
     """

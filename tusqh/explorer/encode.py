@@ -34,6 +34,11 @@ class Packed:
 def pack(arrays: Mapping[str, NDArray[Any]]) -> Packed:
     """Return arrays, flattened in C order, as one block of text.
 
+    Parameters
+    ----------
+    arrays
+        Arrays of any shape by name, each of one of the `TYPES`.
+
     Raises
     ------
     ValueError
@@ -63,6 +68,13 @@ def pack(arrays: Mapping[str, NDArray[Any]]) -> Packed:
 def smallest_unsigned(array: NDArray[Any]) -> NDArray[Any]:
     """Return whole numbers from 0 on in the smallest unsigned type that holds them.
 
+    Parameters
+    ----------
+    array
+        Integers from 0 up, of any shape.
+
+    Examples
+    --------
     >>> smallest_unsigned(np.array([0, 300])).dtype.name
     'uint16'
     """

@@ -31,7 +31,13 @@ from tusqh.threshold.plateaus import BETTI
 
 
 def make_page(subject: Subject) -> str:
-    """Return the explorer of a model: the same text for the same subject."""
+    """Return the explorer of a model: the same text for the same subject.
+
+    Parameters
+    ----------
+    subject
+        A model with its results.
+    """
     grid = subject.fractions.grid
     cell_sets = CellSets(subject.fractions, subject.selection.policy)
     blocks = {
@@ -65,6 +71,15 @@ def make_page(subject: Subject) -> str:
 def fill(template: str, **parts: str) -> str:
     """Return a template with each ``{{name}}`` replaced; what is put in is not looked at again.
 
+    Parameters
+    ----------
+    template
+        Text with placeholders.
+    **parts
+        The replacement of each placeholder, by name.
+
+    Examples
+    --------
     >>> fill("{{a}} and {{b}}", a="{{b}}", b="c")
     '{{b}} and c'
     """
@@ -74,6 +89,13 @@ def fill(template: str, **parts: str) -> str:
 def to_script_json(value: Any) -> str:
     r"""Return a value as JSON that no text in it can break out of a script element with.
 
+    Parameters
+    ----------
+    value
+        A value that JSON can represent, without NaN and infinity.
+
+    Examples
+    --------
     >>> to_script_json({"name": "</script><script>alert(1)"})
     '{"name":"\\u003c/script>\\u003cscript>alert(1)"}'
     """
@@ -82,7 +104,13 @@ def to_script_json(value: Any) -> str:
 
 
 def describe(subject: Subject) -> dict[str, Any]:
-    """Return what the page says about a model in words and tables, as plain values for JSON."""
+    """Return what the page says about a model in words and tables, as plain values for JSON.
+
+    Parameters
+    ----------
+    subject
+        A model with its results.
+    """
     grid, mesh, selection = subject.fractions.grid, subject.mesh, subject.selection
     betti = [getattr(selection.predicted, name) for name in BETTI[: grid.dim]]
     counts = np.bincount(mesh.kind, minlength=len(KINDS))

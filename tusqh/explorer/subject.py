@@ -185,6 +185,13 @@ def read_subject(
 def stands_on_y(geometry: str) -> bool:
     """Return whether the format of a geometry file has y point up.
 
+    Parameters
+    ----------
+    geometry
+        Name of the geometry file, or its path.
+
+    Examples
+    --------
     >>> stands_on_y("bunny.OBJ"), stands_on_y("part.stl")
     (True, False)
     """

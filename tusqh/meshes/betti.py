@@ -15,6 +15,11 @@ from tusqh.topology.betti_numbers import BettiNumbers
 def count_components(groups: IntArray) -> int:
     """Return how many components rows of a table form that share entries.
 
+    Parameters
+    ----------
+    groups
+        Indices from 0 up, shape (n, k); the entries of a row belong to one component.
+
     Examples
     --------
     >>> import numpy as np
@@ -38,6 +43,11 @@ def betti_by_euler(mesh: ElementMesh) -> BettiNumbers:
     Components are sets of elements that share points.  In 2D the holes follow from the Euler
     characteristic; in 3D the voids are the components of the boundary, less the outer ones, and
     the holes follow.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
     """
     facets = mesh.facets
     betti_0 = count_components(mesh.cells)
@@ -55,6 +65,11 @@ def betti_by_boundary(mesh: ElementMesh) -> BettiNumbers:
     Components are sets of elements that share facets; each has one outer boundary.  In 2D every
     other loop of the boundary is a hole.  In 3D every other surface is a void, and the holes are
     the total genus of all surfaces.  Equal to `betti_by_euler` on manifold meshes only.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
 
     Examples
     --------

@@ -43,6 +43,13 @@ def write_vtu(
 def read_vtu(path: Path, *, name: str | None = None) -> VolumeMesh:
     """Return the mesh in a VTU file of quads in the plane or of hexes.
 
+    Parameters
+    ----------
+    path
+        The file.
+    name
+        Name of the mesh for messages; the file name without suffix by default.
+
     Raises
     ------
     MissingExtraError

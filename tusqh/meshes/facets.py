@@ -70,6 +70,11 @@ class Facets:
 def find_facets(cells: IntArray) -> Facets:
     """Return the facets of quads (shape (m, 4)) or hexes (shape (m, 8)).
 
+    Parameters
+    ----------
+    cells
+        Corners of every element in VTK order, shape (m, 4) or (m, 8).
+
     Examples
     --------
     >>> import numpy as np
@@ -102,6 +107,13 @@ def _rank_pairs(first: IntArray, second: IntArray) -> IntArray:
 def count_edges(cells: IntArray) -> int:
     """Return the number of different edges of hexes, shape (m, 8).
 
+    Parameters
+    ----------
+    cells
+        Corners of every hex in VTK order, shape (m, 8).
+
+    Examples
+    --------
     >>> count_edges(np.arange(8)[None])
     12
     """

@@ -37,6 +37,13 @@ def write_mesh(path: Path, mesh: VolumeMesh) -> None:
     groups), ``.exo`` (Exodus, side sets), ``.inp`` (Abaqus, surfaces); the sides are those of
     `tusqh.meshes.boundary.SIDES`, which attributes of MFEM number from 1.  VTU has no sides.
 
+    Parameters
+    ----------
+    path
+        File to write.
+    mesh
+        The mesh.
+
     Raises
     ------
     MeshError
@@ -57,7 +64,18 @@ def write_mesh(path: Path, mesh: VolumeMesh) -> None:
 
 
 def require_format(path: Path) -> None:
-    """Raise a `MeshError` when the suffix of a file names no format of `write_mesh`."""
+    """Raise a `MeshError` when the suffix of a file names no format of `write_mesh`.
+
+    Parameters
+    ----------
+    path
+        File to write; only its suffix is checked.
+
+    Raises
+    ------
+    MeshError
+        The suffix names no format.
+    """
     if path.suffix not in (".vtu", *_WRITERS):
         raise MeshError(
             f"the suffix {path.suffix!r} names no format",

@@ -96,6 +96,13 @@ def element_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
 
     Hex faces are bilinear: the mean of both ways to cut each of them into triangles is exact.
 
+    Parameters
+    ----------
+    points
+        Coordinates, shape (n, dim), in model units.
+    cells
+        Corners of every element in VTK order, shape (m, 2**dim).
+
     Examples
     --------
     >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])

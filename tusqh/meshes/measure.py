@@ -72,7 +72,13 @@ class Measurement:
         return float(self.mesh.volumes.sum())
 
     def has_topology(self, predicted: BettiNumbers) -> bool:
-        """Return whether both methods measure the predicted Betti numbers."""
+        """Return whether both methods measure the predicted Betti numbers.
+
+        Parameters
+        ----------
+        predicted
+            The Betti numbers predicted before meshing.
+        """
         return self.by_euler == self.by_boundary == predicted
 
     def require_sound(self) -> None:

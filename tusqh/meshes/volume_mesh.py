@@ -54,6 +54,15 @@ class VolumeMesh(ElementMesh):
     def from_arrays(cls, points: FloatArray, cells: IntArray, *, name: str = "mesh") -> VolumeMesh:
         """Return a mesh of plain grid cells, for meshes that did not come from a grid.
 
+        Parameters
+        ----------
+        points
+            Coordinates, shape (n, dim), in model units.
+        cells
+            Corners of every element, shape (m, 2**dim), VTK order, positively oriented.
+        name
+            Name of the model, for messages.
+
         Examples
         --------
         >>> import numpy as np

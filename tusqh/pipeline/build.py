@@ -52,7 +52,13 @@ class Built:
         return self.resolved.mesh
 
     def write_mesh(self, path: Path) -> None:
-        """Write the mesh as VTU, with the volume fraction of the cell each element lies in."""
+        """Write the mesh as VTU, with the volume fraction of the cell each element lies in.
+
+        Parameters
+        ----------
+        path
+            File to write, ending in ``.vtu``.
+        """
         in_cell = self.fractions.cells.ravel()[self.mesh.grid_cell]
         write_vtu(path, self.mesh, cell_data={"volume_fraction": in_cell})
 

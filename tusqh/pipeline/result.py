@@ -34,6 +34,13 @@ __all__ = ["Report", "Result"]
 def count_pinches(n: int) -> str:
     """Return a number of pinches in words.
 
+    Parameters
+    ----------
+    n
+        The number of pinches.
+
+    Examples
+    --------
     >>> count_pinches(1), count_pinches(7)
     ('1 pinch', '7 pinches')
     """
@@ -183,6 +190,11 @@ class Result:
     def write(self, path: Path | str) -> None:
         """Write the mesh in the format of the suffix: .vtu, .mesh, .msh, .exo or .inp.
 
+        Parameters
+        ----------
+        path
+            File to write.
+
         Raises
         ------
         MeshError
@@ -198,6 +210,11 @@ class Result:
         """Write every file that the workflow writes up to the verdict, under the same names.
 
         `tusqh check FOLDER/mesh.vtu` then recomputes the certificate.
+
+        Parameters
+        ----------
+        folder
+            Folder to write to; it is created if it does not exist.
         """
         folder = Path(folder)
         write_geometry(path_of("geometry", folder), self.geometry)

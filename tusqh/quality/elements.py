@@ -37,6 +37,11 @@ def element_metrics(mesh: VolumeMesh) -> pd.DataFrame:
     max_angle in degrees, area in model units squared.  In 3D: scaled_jacobian, edge_ratio and
     shape (1 for a cube), skew (0 for a cube), volume in model units cubed.
 
+    Parameters
+    ----------
+    mesh
+        The mesh.
+
     Raises
     ------
     MissingExtraError
@@ -62,7 +67,13 @@ def element_metrics(mesh: VolumeMesh) -> pd.DataFrame:
 
 
 def summarise_metrics(metrics: pd.DataFrame) -> pd.DataFrame:
-    """Return one row per metric: smallest, 1 % quantile, median, mean, largest value, unit."""
+    """Return one row per metric: smallest, 1 % quantile, median, mean, largest value, unit.
+
+    Parameters
+    ----------
+    metrics
+        The table of `element_metrics`.
+    """
     rows = [
         {
             "metric": name,

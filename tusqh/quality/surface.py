@@ -34,6 +34,11 @@ class SurfaceMeasures:
 def surface_measures(mesh: VolumeMesh) -> SurfaceMeasures:
     """Return pymeshlab's topological measures of a 2D mesh or of the boundary of a 3D mesh.
 
+    Parameters
+    ----------
+    mesh
+        The mesh.
+
     Raises
     ------
     MissingExtraError

@@ -37,16 +37,16 @@ def describe_choice(
         The plateaus of the threshold.
     row
         The candidate: `threshold`, `cell_margin`, `lower`, `upper`, `margin`, `unexamined`.
-    find_interval
-        Computes the last four of these, where the candidate does not have them.
     cells
-        Its cells.
+        The cells of the candidate.
     wanted, reason
-        What was asked for and why this was chosen, in words.
+        The request, and why this candidate was chosen, in words.
+    find_interval
+        Computes `lower`, `upper`, `margin` and `unexamined` for a candidate without them.
     policy
-        What was done about pinches and small features, where it is not that of the plateaus.
+        The settings for pinches and small features, if they differ from those of the plateaus.
     resolved
-        The mesh, where one was made.
+        The mesh, if one was made.
     """
     threshold = float(row["threshold"])
     return Selection(

@@ -27,7 +27,20 @@ _PAIR_ORDER = ["dimension", "persistence", "birth", "birth_place"]
 
 
 def paired_dimensions(shape: tuple[int, ...], *, n_cells: int = DIAGRAM_CELLS) -> tuple[int, ...]:
-    """Return the dimensions whose pairs are found, for a doubled grid of a shape."""
+    """Return the dimensions whose pairs are found, for a doubled grid of a shape.
+
+    Parameters
+    ----------
+    shape
+        Shape of the doubled grid, ``2 n + 1`` along each axis.
+    n_cells
+        Largest number of cells of a 3D grid whose holes are paired.
+
+    Returns
+    -------
+    dimensions
+        0 and 1 in 2D; in 3D 0 and 2, and 1 on grids of at most `n_cells` cells.
+    """
     if len(shape) == 2:
         return (0, 1)
     return (0, 1, 2) if math.prod(n // 2 for n in shape) <= n_cells else (0, 2)
@@ -40,6 +53,13 @@ def locate_pairs(pairs: pd.DataFrame, grid: BackgroundGrid) -> pd.DataFrame:
     ``birth_j``, ... (index of the cell, or of the lowest vertex of the edge) and ``birth_x``,
     ``birth_y``, ... (its centre, in model units), and the same for ``death``, empty where
     nothing destroys the class.
+
+    Parameters
+    ----------
+    pairs
+        See `tusqh.topology.topology.Topology.pairs`.
+    grid
+        The background grid.
     """
     pairs = pairs.reset_index(drop=True)
     located = pairs.drop(columns=["birth_place", "death_place"])
@@ -63,6 +83,13 @@ def locate_pairs(pairs: pd.DataFrame, grid: BackgroundGrid) -> pd.DataFrame:
 
 def count_alive(pairs: pd.DataFrame, thresholds: FloatArray) -> IntArray:
     """Return the Betti numbers that pairs give at thresholds, shape (n, 3).
+
+    Parameters
+    ----------
+    pairs
+        Persistence pairs with columns `dimension`, `birth` and `death`.
+    thresholds
+        Volume fractions, dimensionless, shape (n,).
 
     Examples
     --------
