@@ -7,6 +7,7 @@ from tusqh.geometry.kinds import Geometry
 from tusqh.progress import Progress, log_progress
 from tusqh.sampling.fractions import VolumeFractions, require_memory, sample_fractions
 from tusqh.sampling.layout import lay_grid
+from tusqh.sampling.orient import orient
 from tusqh.sampling.voxels import lay_on_voxels, voxel_fractions
 from tusqh.settings.grid import Grid, Window
 from tusqh.settings.sampling import Sampling
@@ -47,10 +48,11 @@ def sample(
     if isinstance(geometry, Image):
         voxel_grid = lay_on_voxels(geometry, box, cells=grid.cells, cell_size=grid.cell_size)
         return voxel_fractions(geometry, voxel_grid, domain=sampling.domain, window=box)
+    oriented = orient(geometry, sampling.orientation).geometry
     background_grid = lay_grid(geometry, box, cells=grid.cells, cell_size=grid.cell_size)
     require_memory(background_grid, "meshing", name=geometry.name)
     return sample_fractions(
-        geometry,
+        oriented,
         background_grid,
         sampling=sampling,
         window=box,

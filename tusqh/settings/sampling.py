@@ -39,8 +39,9 @@ class Sampling(Section):
         default="average",
     )
     orientation: Orientation = setting(
-        "Flip the sign of the winding number when its mean is negative (`auto`), never (`as-is`) "
-        "or always (`flip`).",
+        "Turn parts that point inwards, and triangles that disagree with their part, then flip the "
+        "sign of the winding number if its mean is negative (`auto`); leave everything (`as-is`); "
+        "or flip the sign only (`flip`).",
         default="auto",
     )
     sampler: Sampler = setting(

@@ -1,0 +1,193 @@
+"""Connected parts of a soup, and which triangles disagree with their neighbours within one.
+
+A *patch* is a set of triangles joined across edges of exactly two triangles.  A patch without a
+boundary is a part of its own; patches with a boundary form one part where their bounding boxes
+touch, since gaps may divide what belongs together.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from tusqh.geometry.soup import Soup
+from tusqh.grid import BoolArray, FloatArray, IntArray
+
+#: With more open patches than this, all of them are one part.
+_MOST_OPEN_PATCHES = 3000
+
+
+class ConnectedParts(NamedTuple):
+    """The parts of a soup.
+
+    Parameters
+    ----------
+    part
+        Part of every triangle, shape (m,); -1 for triangles with coinciding corners.
+    is_reversed
+        Whether each triangle disagrees with the majority, by area, of its patch, shape (m,).
+    volumes
+        Signed volume of every part once its triangles agree, in model units^3, shape (n,).
+    areas
+        Area of every part, in model units^2, shape (n,).
+    is_closed
+        Whether each part is without a boundary, shape (n,).
+    lower, upper
+        Bounding box of every part, shape (n, 3).
+    n_disagreeing
+        Edges whose triangles disagree on patches that cannot be oriented (Moebius strips).
+    """
+
+    part: IntArray
+    is_reversed: BoolArray
+    volumes: FloatArray
+    areas: FloatArray
+    is_closed: BoolArray
+    lower: FloatArray
+    upper: FloatArray
+    n_disagreeing: int
+
+
+def find_parts(soup: Soup) -> ConnectedParts:
+    """Return the connected parts of a soup.
+
+    Parameters
+    ----------
+    soup
+        The soup; points of equal coordinates are taken as one.
+
+    Returns
+    -------
+    ConnectedParts
+        The parts, numbered from 0.
+    """
+    points, triangles = soup.matched()
+    proper = np.flatnonzero((triangles != np.roll(triangles, 1, axis=1)).all(axis=1))
+    if len(proper) == 0:
+        nowhere = np.full(len(triangles), -1, dtype=np.int64)
+        agree = np.zeros(len(triangles), dtype=np.bool_)
+        is_closed = np.empty(0, dtype=np.bool_)
+        none, no_boxes = np.empty(0), np.empty((0, 3))
+        return ConnectedParts(nowhere, agree, none, none, is_closed, no_boxes, no_boxes, 0)
+    chosen = triangles[proper]
+    edge, is_forward = _edges(chosen, len(points))
+    first, second = _neighbours(edge, soup.parts[proper])
+    disagrees = is_forward[first] == is_forward[second]
+    links = first // 3, second // 3
+    corners = points[chosen]
+    area = np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    patch = _components(links[0], links[1], len(chosen))
+    reversed_, is_twisted = _reversed_triangles(links, disagrees, patch, area / 2)
+    is_open = _open_patches(patch, edge, is_forward ^ np.repeat(reversed_, 3))
+    part = _join_open(patch, is_open, corners)[patch]
+    lower, upper = _boxes(part, corners)
+    centred = corners - ((lower + upper) / 2)[part][:, None]
+    triple = np.einsum("mi,mi->m", centred[:, 0], np.cross(centred[:, 1], centred[:, 2]))
+    part_of_all = np.full(len(triangles), -1, dtype=np.int64)
+    part_of_all[proper] = part
+    reversed_of_all = np.zeros(len(triangles), dtype=np.bool_)
+    reversed_of_all[proper] = reversed_
+    return ConnectedParts(
+        part=part_of_all,
+        is_reversed=reversed_of_all,
+        volumes=_sums(part, np.where(reversed_, -triple, triple) / 6),
+        areas=_sums(part, area / 2),
+        is_closed=_sums(part, is_open[patch]) == 0,
+        lower=lower,
+        upper=upper,
+        n_disagreeing=int((disagrees & is_twisted[patch[links[0]]]).sum()),
+    )
+
+
+def _sums(group: IntArray, values: FloatArray | BoolArray) -> FloatArray:
+    """Return the sum of values over every group."""
+    return np.bincount(group, weights=values).astype(np.float64)
+
+
+def _edges(triangles: IntArray, n_points: int) -> tuple[IntArray, BoolArray]:
+    """Return the edge of side 3 t + k, and whether the side walks it from its lower point."""
+    start, end = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    key = np.minimum(start, end) * n_points + np.maximum(start, end)
+    return np.unique(key, return_inverse=True)[1].ravel(), np.asarray(start < end)
+
+
+def _neighbours(edge: IntArray, part_of_file: IntArray) -> tuple[IntArray, IntArray]:
+    """Return pairs of sides that are the only two at an edge, of the file or of one part of it."""
+    count = np.bincount(edge)[edge]
+    part = np.where(count == 2, 0, np.repeat(part_of_file, 3))
+    order = np.lexsort((part, edge))
+    e, p = edge[order], part[order]
+    begins = np.flatnonzero(np.r_[True, (e[1:] != e[:-1]) | (p[1:] != p[:-1])][: len(e)])
+    lengths = np.diff(np.r_[begins, len(e)])
+    pairs = begins[lengths == 2]
+    return order[pairs], order[pairs + 1]
+
+
+def _components(first: IntArray, second: IntArray, n: int) -> IntArray:
+    """Return the component of every node of a graph."""
+    graph = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(n, n))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def _reversed_triangles(
+    links: tuple[IntArray, IntArray], disagrees: BoolArray, patch: IntArray, area: FloatArray
+) -> tuple[BoolArray, BoolArray]:
+    """Return triangles against the majority of their patch, and patches that have two sides in one.
+
+    Every triangle has two nodes, one for each of its sides; the components of that graph are the
+    sides of the patches, two for each patch that can be oriented.
+    """
+    n, n_patches = len(patch), int(patch.max(initial=-1)) + 1
+    if not disagrees.any():
+        return np.zeros(n, dtype=np.bool_), np.zeros(n_patches, dtype=np.bool_)
+    a, b = links
+    other = np.where(disagrees, b + n, b)
+    opposite = np.where(disagrees, b, b + n)
+    side = _components(np.r_[a, a + n], np.r_[other, opposite], 2 * n)
+    front, back = side[:n], side[n:]
+    is_twisted = np.bincount(patch, weights=front == back, minlength=n_patches) > 0
+    is_second = front > back
+    second_area = np.bincount(patch, weights=area * is_second, minlength=n_patches)
+    swap = second_area > np.bincount(patch, weights=area, minlength=n_patches) / 2
+    return (is_second ^ swap[patch]) & ~is_twisted[patch], is_twisted
+
+
+def _open_patches(patch: IntArray, edge: IntArray, is_forward: BoolArray) -> BoolArray:
+    """Return whether a patch has an edge that it does not walk equally often both ways."""
+    n_edges = int(edge.max(initial=-1)) + 1
+    key = np.repeat(patch, 3) * n_edges + edge
+    unique, number = np.unique(key, return_inverse=True)
+    balance = np.bincount(number.ravel(), weights=np.where(is_forward, 1, -1))
+    n_patches = int(patch.max(initial=-1)) + 1
+    return np.bincount(unique // max(n_edges, 1), weights=balance != 0, minlength=n_patches) > 0
+
+
+def _boxes(group: IntArray, corners: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the bounding box of every group of triangles."""
+    n = int(group.max(initial=-1)) + 1
+    lower, upper = np.full((n, 3), np.inf), np.full((n, 3), -np.inf)
+    np.minimum.at(lower, group, corners.min(axis=1))
+    np.maximum.at(upper, group, corners.max(axis=1))
+    return lower, upper
+
+
+def _join_open(patch: IntArray, is_open: BoolArray, corners: FloatArray) -> IntArray:
+    """Return the part of every patch."""
+    opened = np.flatnonzero(is_open)
+    first = second = np.empty(0, dtype=np.int64)
+    if len(opened) > _MOST_OPEN_PATCHES:
+        first, second = opened[:-1], opened[1:]
+    elif len(opened) > 1:
+        lower, upper = (box[opened] for box in _boxes(patch, corners))
+        meets = np.ones((len(opened), len(opened)), dtype=np.bool_)
+        for k in range(3):
+            meets &= lower[:, None, k] <= upper[None, :, k]
+        meets &= meets.T
+        rows, columns = np.nonzero(np.triu(meets, 1))
+        first, second = opened[rows], opened[columns]
+    return _components(first, second, len(is_open))
