@@ -22,6 +22,7 @@ OTHERS = {
     "labels",
     "memory",
     "ply_header",
+    "gltf_file",
     "ply_rows",
     "polygon_faces",
     "reading",

@@ -49,7 +49,7 @@ FORMATS = (
     Format("OBJ", (".obj",), "surface", "obj"),
     Format("PLY", (".ply",), "surface", "ply"),
     Format("OFF", (".off",), "surface", "off"),
-    Format("glTF", (".glb", ".gltf"), "surface", "polygons"),
+    Format("glTF", (".glb", ".gltf"), "surface", "gltf"),
     Format("VTK", (".vtk", ".vtu", ".vtp"), "surface", "vtk", "pyvista", "formats"),
     Format("NumPy array", (".npy",), "image", "npy"),
     Format("TIFF stack", (".tif", ".tiff"), "image", "tiff", "tifffile", "formats"),
