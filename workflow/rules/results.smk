@@ -1,4 +1,4 @@
-# docs/results.md: the paper's figures and claims beside ours.  Its text is in ../report/results.
+# docs/results.md compares the paper's figures and claims with ours; its text is in ../report/results.
 PAGE_SECTIONS = ["models", "theory", "studies", "limits", "figures"]
 PAGE_TABLES = [
     "results/tables/summary.csv",
