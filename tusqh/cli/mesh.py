@@ -44,12 +44,16 @@ def mesh(
     results: Results = None,
     *,
     settings: Settings,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="End with exit code 3 where there are warnings.")
+    ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
 ) -> None:
     """Mesh a dirty geometry with the topology you ask for.
 
     Exit code 0: the mesh measures the topology that was asked for and predicted, and no check
-    fails; 1: no threshold gives it, or a check fails; 2: bad input or output.
+    fails; 1: no threshold gives it, or a check fails; 2: bad input or output; 3: there are
+    warnings, with --strict.
 
     For example:
 
@@ -78,7 +82,9 @@ def mesh(
         typer.echo(json.dumps(_to_plain(report), indent=2))
     else:
         _show(report, outputs if results is None else [*outputs, results])
-    raise typer.Exit(0 if report.is_met and report.is_suitable else 1)
+    if not (report.is_met and report.is_suitable):
+        raise typer.Exit(1)
+    raise typer.Exit(3 if strict and report.has_warnings else 0)
 
 
 def _require_outputs(geometry: str, outputs: list[Path], results: Path | None) -> None:
@@ -111,6 +117,8 @@ def _show(report: Report, written: list[Path]) -> None:
     failed = report.verdict[report.verdict["holds"] == "no"]
     for row in failed.itertuples():
         console.print(f"fails: {row.name}: {row.found}, required {row.required}", style="red")
+        if str(row.remedy):
+            console.print(f"remedy: {row.remedy!s}", style="red")
 
 
 def _to_plain(report: Report) -> dict[str, Any]:
@@ -124,6 +132,7 @@ def _to_plain(report: Report) -> dict[str, Any]:
         "measured": list(report.measured),
         "met": report.is_met,
         "suitable": report.is_suitable,
+        "warnings": report.has_warnings,
         "mesh": report.facts,
         "checks": report.verdict.to_dict("records"),
     }

@@ -42,6 +42,10 @@ class Check:
         What the mesh has, and what it must have.
     holds
         Whether it passed; None where the check could not be run, and `found` then says why.
+    is_warning
+        Whether the mesh may be used although the check does not hold.
+    remedy
+        What the user can do where it does not hold.
     """
 
     id: str
@@ -49,6 +53,8 @@ class Check:
     found: object
     required: str
     holds: bool | None
+    is_warning: bool = False
+    remedy: str = ""
 
 
 def check_mesh(mesh: ElementMesh) -> list[Check]:

@@ -120,7 +120,7 @@ def read_model(
         "measured": f"Betti numbers {tuple(measured)}",
         "mesh": f"{facts['elements']:,} {kind} of {facts['grid']} cells, "
         f"{facts['pinches']:,} pinch{'' if facts['pinches'] == 1 else 'es'}, volume "
-        f"{facts['volume'] / facts['winding_volume']:.4f} of the winding-number volume",
+        f"{facts['volume'] / facts['reference_volume']:.4f} of {facts['reference_source']}",
         "verdict": overall(verdict),
         "every threshold": f"{n_holding} of {len(verification)} as predicted",
     }

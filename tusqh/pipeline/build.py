@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -11,10 +11,14 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import Resolved, build_mesh, describe_mesh
 from tusqh.atomic import write_text
 from tusqh.certificate import make_certificate
+from tusqh.geometry.kinds import Geometry
 from tusqh.hashing import canonical_json
+from tusqh.meshes.checks import Check
 from tusqh.meshes.export import write_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.quality.comparison import compare_with_geometry
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.sampling.reference import Reference
 from tusqh.tables import write_csv
 from tusqh.threshold.selection import Selection
 
@@ -31,11 +35,17 @@ class Built:
         The volume fractions that were cut at it.
     resolved
         The mesh with its cells, decisions, bridges, and the features removed and filled.
+    reference
+        The volume that the mesh should have, where the geometry was given.
+    comparison
+        Checks of the mesh against the geometry, where that was given.
     """
 
     selection: Selection
     fractions: VolumeFractions
     resolved: Resolved
+    reference: Reference | None = None
+    comparison: tuple[Check, ...] = ()
 
     @cached_property
     def facts(self) -> dict[str, Any]:
@@ -44,12 +54,23 @@ class Built:
             "threshold": self.selection.threshold,
             "margin": self.selection.margin,
             **describe_mesh(self.resolved, self.fractions),
+            **self._reference_facts,
+            "comparison": [asdict(check) for check in self.comparison],
         }
 
     @property
     def mesh(self) -> VolumeMesh:
         """The mesh."""
         return self.resolved.mesh
+
+    @property
+    def _reference_facts(self) -> dict[str, Any]:
+        if self.reference is None:
+            return {}
+        return {
+            "reference_volume": self.reference.volume,
+            "reference_source": self.reference.source,
+        }
 
     def write_mesh(self, path: Path) -> None:
         """Write the mesh as VTU, with the volume fraction of the cell each element lies in.
@@ -89,13 +110,26 @@ class Built:
         cells = self.resolved.cells
         self.write_mesh(mesh)
         claim = make_certificate(self.selection, cells, mesh, fractions, name=self.mesh.name)
+        claim["warnings"] = [
+            {"id": c.id, "name": c.name, "found": str(c.found), "remedy": c.remedy}
+            for c in self.comparison
+            if not c.holds
+        ]
         write_csv(features, cells.features)
         write_csv(bridges, cells.bridge_table)
         write_text(certificate, canonical_json(claim))
         write_text(facts, canonical_json(self.facts))
 
 
-def build(fractions: VolumeFractions, selection: Selection, *, name: str = "model") -> Built:
+def build(
+    fractions: VolumeFractions,
+    selection: Selection,
+    *,
+    name: str = "model",
+    geometry: Geometry | None = None,
+    reference: Reference | None = None,
+    tolerance: float = 0.05,
+) -> Built:
     """Return the mesh of volume fractions at a chosen threshold, every pinch resolved.
 
     Parameters
@@ -106,6 +140,10 @@ def build(fractions: VolumeFractions, selection: Selection, *, name: str = "mode
         The threshold; the mesh that verified it is taken where there is one.
     name
         The model.
+    geometry, reference
+        The geometry and its volume, with which the mesh is compared; None: it is not.
+    tolerance
+        Largest relative difference of the volumes without a warning.
 
     Raises
     ------
@@ -116,4 +154,7 @@ def build(fractions: VolumeFractions, selection: Selection, *, name: str = "mode
     if resolved is None or resolved.mesh.name != name:
         cells = selection.cells or CellSets(fractions, selection.policy).at(selection.threshold)
         resolved = build_mesh(cells, fractions.grid, name=name)
-    return Built(selection, fractions, resolved)
+    if geometry is None or reference is None:
+        return Built(selection, fractions, resolved)
+    compared = compare_with_geometry(resolved, fractions, geometry, reference, tolerance=tolerance)
+    return Built(selection, fractions, resolved, reference, tuple(compared))

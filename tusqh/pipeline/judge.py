@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import pandas as pd
 
 from tusqh.extras import MissingExtraError
+from tusqh.meshes.checks import Check
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.quality.elements import element_metrics, summarise_metrics
 from tusqh.quality.verdict import judge_mesh, overall, to_table
@@ -22,7 +24,7 @@ class Judgement:
     elements
         Element metrics, summarised: one row per metric; empty where VTK is not installed.
     verdict
-        One row per check: `name`, `found`, `required`, `holds` (yes, no or not run).
+        One row per check, see `tusqh.quality.verdict.to_table`.
     """
 
     elements: pd.DataFrame
@@ -30,14 +32,21 @@ class Judgement:
 
     @property
     def is_suitable(self) -> bool:
-        """Whether no check fails."""
+        """Whether no check fails; there may be warnings."""
         return not (self.verdict["holds"] == "no").any()
+
+    @property
+    def has_warnings(self) -> bool:
+        """Whether the mesh is suitable with warnings only."""
+        return self.is_suitable and bool((self.verdict["holds"] == "warning").any())
 
     def __str__(self) -> str:
         return overall(self.verdict)
 
 
-def judge(mesh: VolumeMesh, predicted: BettiNumbers) -> Judgement:
+def judge(
+    mesh: VolumeMesh, predicted: BettiNumbers, *, comparison: Sequence[Check] = ()
+) -> Judgement:
     """Return every check of a mesh, by our own count, VTK, pymeshlab and MFEM.
 
     Parameters
@@ -46,10 +55,12 @@ def judge(mesh: VolumeMesh, predicted: BettiNumbers) -> Judgement:
         The mesh.
     predicted
         Betti numbers it must have.
+    comparison
+        Further checks, against the geometry, see `tusqh.pipeline.build.Built.comparison`.
     """
     try:
         metrics = element_metrics(mesh)
     except MissingExtraError:
         metrics = None
-    verdict = to_table(judge_mesh(mesh, predicted, metrics))
+    verdict = to_table([*judge_mesh(mesh, predicted, metrics), *comparison])
     return Judgement(summarise_metrics(pd.DataFrame() if metrics is None else metrics), verdict)

@@ -14,6 +14,7 @@ from tusqh.pipeline.result import Result
 from tusqh.pipeline.sample import sample
 from tusqh.pipeline.select import select
 from tusqh.progress import Progress, log_progress
+from tusqh.sampling.reference import find_reference
 from tusqh.settings.arguments import arguments_of, explains_unknown_arguments, from_arguments
 from tusqh.settings.model import Settings
 from tusqh.settings.policy import BridgeMode, MixedPinches
@@ -48,6 +49,7 @@ def mesh(
     holes: Mapping[str, Any] | None = None,
     voids: Mapping[str, Any] | None = None,
     image: Mapping[str, float] | None = None,
+    volume_tolerance: float = 0.05,
     name: str | None = None,
     progress: Progress = log_progress,
 ) -> Result:
@@ -96,6 +98,9 @@ def mesh(
     image
         For voxels: ``{"voxel_size": 0.1, "empty": 0, "full": 255}``, see
         `tusqh.settings.voxels.Voxels`.
+    volume_tolerance
+        Largest relative difference between the volume of the mesh and that of the geometry
+        without a warning; with `volume`, without an error.
     name
         What files and messages call the model; the name of the file by default.
     progress
@@ -164,6 +169,8 @@ def run_stages(
         window=settings.window,
         progress=progress,
     )
+    box = None if settings.window is None else settings.window.box
+    reference = find_reference(geometry, fractions, sampling=settings.sampling, window=box)
     progress("persistence")
     found = find_persistence(fractions, name=name)
     choice = select(
@@ -175,7 +182,14 @@ def run_stages(
         progress=progress,
     )
     progress("mesh")
-    built = build(fractions, choice.selection, name=name)
+    built = build(
+        fractions,
+        choice.selection,
+        name=name,
+        geometry=geometry,
+        reference=reference,
+        tolerance=settings.quality.volume_tolerance,
+    )
     progress("quality")
-    judgement = judge(built.mesh, choice.selection.predicted)
+    judgement = judge(built.mesh, choice.selection.predicted, comparison=built.comparison)
     return Result(geometry, fractions, found, choice, built, judgement, settings)

@@ -62,7 +62,7 @@ class Report:
     elements
         Element metrics, summarised.
     verdict
-        One row per check: `name`, `found`, `required`, `holds` (yes, no or not run).
+        One row per check, see `tusqh.quality.verdict.to_table`.
     """
 
     name: str
@@ -88,8 +88,13 @@ class Report:
 
     @property
     def is_suitable(self) -> bool:
-        """Whether no check of the verdict fails."""
+        """Whether no check of the verdict fails; there may be warnings."""
         return Judgement(self.elements, self.verdict).is_suitable
+
+    @property
+    def has_warnings(self) -> bool:
+        """Whether the mesh is suitable with warnings only."""
+        return Judgement(self.elements, self.verdict).has_warnings
 
     def lines(self) -> dict[str, str]:
         """Return the report in a few lines, each with its title."""
@@ -102,10 +107,27 @@ class Report:
             "measured": f"Betti numbers {self.measured}, "
             + ("as predicted" if self.is_met else "NOT as predicted"),
             "mesh": f"{facts['elements']:,} {'hexes' if facts['dimension'] == 3 else 'quads'} of "
-            f"{facts['grid']} cells, {count_pinches(facts['pinches'])} resolved, volume "
-            f"{facts['volume'] / facts['winding_volume']:.4f} of the winding-number volume",
+            f"{facts['grid']} cells, {count_pinches(facts['pinches'])} resolved, "
+            f"volume {self._volume()}",
             "verdict": str(Judgement(self.elements, self.verdict)),
+        } | self._warnings()
+
+    def _warnings(self) -> dict[str, str]:
+        """Return a line for each warning: what was found, and the remedy."""
+        rows = self.verdict[self.verdict["holds"] == "warning"]
+        return {
+            f"warning {k}": f"{row.name}: {row.found} (without a warning: {row.required}); "
+            f"{row.remedy}"
+            for k, row in enumerate(rows.itertuples(index=False), start=1)
         }
+
+    def _volume(self) -> str:
+        """Return the volume of the mesh in words, compared with that of the geometry."""
+        facts = self.facts
+        volume = facts["volume"]
+        if not facts.get("reference_volume"):
+            return f"{volume:.6g}"
+        return f"{volume / facts['reference_volume']:.4f} of {facts['reference_source']}"
 
     def __str__(self) -> str:
         """Return the report as text."""

@@ -71,22 +71,31 @@ def judge_mesh(
 
 
 def to_table(checks: Sequence[Check]) -> pd.DataFrame:
-    """Return checks as a table: id, name, found, required, holds (yes, no or not run).
+    """Return checks as a table: id, name, found, required, holds, remedy.
+
+    `holds` is "yes", "no", "not run", or "warning" where a check that is one does not hold.
 
     Parameters
     ----------
     checks
         The checks, in the order of the rows.
     """
-    words = {True: "yes", False: "no", None: "not run"}
     return pd.DataFrame(
-        [(c.id, c.name, str(c.found), c.required, words[c.holds]) for c in checks],
-        columns=["id", "name", "found", "required", "holds"],
+        [(c.id, c.name, str(c.found), c.required, _in_words(c), c.remedy) for c in checks],
+        columns=["id", "name", "found", "required", "holds", "remedy"],
     )
 
 
+def _in_words(check: Check) -> str:
+    if check.holds is False and check.is_warning:
+        return "warning"
+    return {True: "yes", False: "no", None: "not run"}[check.holds]
+
+
 def overall(checks: pd.DataFrame) -> str:
-    """Return the verdict over a table of checks: suitable, or how many checks fail or did not run.
+    """Return the verdict over a table of checks.
+
+    It is "suitable", "suitable with warnings", each of which is named, or "not suitable".
 
     Parameters
     ----------
@@ -106,7 +115,11 @@ def overall(checks: pd.DataFrame) -> str:
         return f"not suitable: {n_failed} check{'s' if n_failed > 1 else ''} " + (
             "fail" if n_failed > 1 else "fails"
         )
-    return f"suitable ({n_missing} not run)" if n_missing else "suitable"
+    not_run = f" ({n_missing} not run)" if n_missing else ""
+    warned = checks.loc[checks["holds"] == "warning", "name"]
+    if len(warned):
+        return f"suitable with warnings: {'; '.join(map(str, warned))}{not_run}"
+    return f"suitable{not_run}"
 
 
 def _vtk_jacobian(metrics: pd.DataFrame | None, scheme: Scheme, dim: int) -> Check:

@@ -9,6 +9,7 @@ from tusqh.settings.field import setting
 from tusqh.settings.goal import Goal
 from tusqh.settings.grid import Grid, Window
 from tusqh.settings.policy import Policy
+from tusqh.settings.quality import Quality
 from tusqh.settings.sampling import Sampling
 from tusqh.settings.section import Section
 from tusqh.settings.simulation import Simulation
@@ -47,6 +48,9 @@ class Settings(Section):
     goal: Goal = setting("How the threshold is chosen.", default=Goal, is_inline=True)
     policy: Policy = setting(
         "What to do about pinches and small features.", default=Policy, is_inline=True
+    )
+    quality: Quality = setting(
+        "How far the mesh may be from its geometry.", default=Quality, is_inline=True
     )
 
 

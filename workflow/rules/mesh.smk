@@ -1,9 +1,13 @@
 rule mesh:
     input:
-        **files("fractions", "selection"),
+        **files("geometry", "fractions", "selection"),
     output:
         **files("mesh", "facts"),
         **shown("features", "bridges", "certificate"),
+    params:
+        window=settings_of("window"),
+        sampling=settings_of("sampling"),
+        quality=settings_of("quality"),
     priority: MODELS_FIRST
     script:
         "../scripts/mesh.py"

@@ -2,6 +2,7 @@ import json
 from pathlib import Path
 
 from provenance.record import recorded
+from tusqh.meshes.checks import Check
 from tusqh.meshes.export import read_vtu
 from tusqh.pipeline.judge import judge
 from tusqh.tables import write_csv
@@ -10,7 +11,8 @@ from tusqh.topology.betti_numbers import BettiNumbers
 with recorded(snakemake) as log:
     mesh = read_vtu(Path(snakemake.input.mesh), name=snakemake.wildcards.model)
     facts = json.loads(Path(snakemake.input.facts).read_text())
-    judgement = judge(mesh, BettiNumbers(*facts["betti_predicted"]))
+    comparison = [Check(**check) for check in facts["comparison"]]
+    judgement = judge(mesh, BettiNumbers(*facts["betti_predicted"]), comparison=comparison)
     log.info("%s", judgement)
     write_csv(Path(snakemake.output.elements), judgement.elements)
     write_csv(Path(snakemake.output.verdict), judgement.verdict)

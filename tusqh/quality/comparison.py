@@ -1,0 +1,183 @@
+"""The mesh compared with its geometry: rows of the verdict that are warnings, with remedies."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import ndimage
+
+from tusqh.antialias.cells import CellSet
+from tusqh.antialias.resolve import Resolved
+from tusqh.geometry.kinds import Geometry
+from tusqh.geometry.soup import Soup
+from tusqh.geometry.soup_facts import SoupFacts
+from tusqh.meshes.checks import Check
+from tusqh.quality.thickness import Thickness, measure_thickness
+from tusqh.sampling.doubled_grid import RESOLUTION
+from tusqh.sampling.fractions import VolumeFractions
+from tusqh.sampling.reference import Reference
+
+#: A mesh is not suitable when its volume differs from that of the geometry by more than this part.
+FAR_OFF = 0.5
+
+#: Components of at most this many cells along each axis are small.
+_SMALL = 2
+
+#: The least part of what is counted that is worth a warning.
+_AMBIGUOUS, _INCONSISTENT, _TIED = 0.1, 0.01, 0.05
+
+
+def compare_with_geometry(
+    resolved: Resolved,
+    fractions: VolumeFractions,
+    geometry: Geometry,
+    reference: Reference,
+    *,
+    tolerance: float = 0.05,
+) -> list[Check]:
+    """Return how a mesh differs from its geometry: the volume, and every warning.
+
+    Parameters
+    ----------
+    resolved
+        The mesh and its cells.
+    fractions
+        The volume fractions that it was made from.
+    geometry
+        The geometry.
+    reference
+        The volume that the mesh should have.
+    tolerance
+        Largest relative difference of the volumes without a warning.
+
+    Returns
+    -------
+    checks
+        The check of the volume, and those of the others that do not hold.
+    """
+    size = fractions.grid.cell_size
+    checks = [_volume(resolved, reference, geometry, size, tolerance)]
+    checks += _small_components(resolved.cells, fractions)
+    checks += _ties(resolved.cells, fractions)
+    if reference.ambiguity > _AMBIGUOUS:
+        checks.append(
+            _warning(
+                "open_surface",
+                "the surface is open",
+                f"{reference.ambiguity:.2g} times as many samples are between inside and outside "
+                "as inside",
+                f"<= {_AMBIGUOUS:g} times as many",
+                "close the surface, or check the mesh in a viewer: what is inside is a guess",
+            )
+        )
+    if isinstance(geometry, Soup):
+        checks += _inconsistent_edges(geometry)
+    return checks
+
+
+def _volume(
+    resolved: Resolved, reference: Reference, geometry: Geometry, size: float, tolerance: float
+) -> Check:
+    name = f"{'area' if resolved.mesh.dim == 2 else 'volume'} of the mesh"
+    required = f"within {100 * tolerance:g} % of {reference.source}"
+    if reference.volume <= 0:
+        return _warning(
+            "volume",
+            name,
+            "unknown: the geometry encloses nothing",
+            required,
+            "close the surface, or use `--orientation flip` if its parts are inside out",
+        )
+    ratio = resolved.mesh.measurement.volume / reference.volume
+    error = abs(ratio - 1)
+    remedy = ""
+    if error > tolerance:
+        thin = measure_thickness(geometry)
+        remedy = "use smaller cells (`--cells`), another threshold, or `--match-volume`"
+        if thin is not None and thin.share_below(size) > 0.1:
+            remedy = _describe_thin(thin, size)
+    return Check(
+        id="volume",
+        name=name,
+        found=f"{ratio:.4f} of {reference.source}",
+        required=f"within {100 * tolerance:g} %",
+        holds=error <= tolerance,
+        is_warning=error <= FAR_OFF,
+        remedy=remedy,
+    )
+
+
+def _describe_thin(thin: Thickness, size: float) -> str:
+    return (
+        f"{100 * thin.share_below(size):.0f} % of the surface bounds walls thinner than a cell of "
+        f"{size:.4g}: use `--cell-size {thin.resolving:.3g}`, which resolves them"
+    )
+
+
+def _small_components(cells: CellSet, fractions: VolumeFractions) -> list[Check]:
+    """Return a warning where components of the kept cells are small."""
+    dim = fractions.grid.dim
+    # Cells that touch at a vertex count as joined, as where pinches connect them.
+    labels, n = ndimage.label(cells.kept, np.ones((3,) * dim))
+    n_cells = np.bincount(labels.ravel(), minlength=n + 1)[1:]
+    few = _SMALL**dim
+    n_small = int((n_cells <= few).sum())
+    if n_small == 0:
+        return []
+    return [
+        _warning(
+            "small_components",
+            "components of few cells",
+            f"{n:,} component{'s' if n > 1 else ''}, {n_small:,} of at most {few} cells",
+            "0",
+            f"use cells of at most {fractions.grid.cell_size / 2:.4g} (`--cell-size`) to resolve "
+            f"them, or remove them with `--min-cells {few + 1}`",
+        )
+    ]
+
+
+def _ties(cells: CellSet, fractions: VolumeFractions) -> list[Check]:
+    """Return a warning where many cells have exactly the threshold as their fraction."""
+    multiple = int(np.ceil(cells.threshold / RESOLUTION))
+    n_tied = int((np.rint(fractions.cells / RESOLUTION) == multiple).sum())
+    n_kept = int(cells.kept.sum())
+    if n_tied <= _TIED * n_kept:
+        return []
+    return [
+        _warning(
+            "ties",
+            "cells whose fraction is the threshold itself",
+            f"{n_tied:,} of {n_kept:,} kept cells",
+            f"<= {100 * _TIED:g} %",
+            "shift the grid by part of a cell with `--window`, or use a threshold a little above "
+            "or below: the mesh loses those cells at any higher threshold",
+        )
+    ]
+
+
+def _inconsistent_edges(soup: Soup) -> list[Check]:
+    facts = SoupFacts(soup)
+    is_bad = (facts.n_faces == 2) & (facts.n_forward != 1)
+    n_bad, n_edges = int(is_bad.sum()), len(is_bad)
+    if n_bad <= _INCONSISTENT * n_edges:
+        return []
+    return [
+        _warning(
+            "inconsistent_edges",
+            "edges between triangles of opposite orientation",
+            f"{n_bad:,} of {n_edges:,} edges",
+            f"<= {100 * _INCONSISTENT:g} %",
+            "orient the triangles consistently in the program that made the file",
+        )
+    ]
+
+
+def _warning(identifier: str, name: str, found: str, required: str, remedy: str) -> Check:
+    return Check(
+        id=identifier,
+        name=name,
+        found=found,
+        required=required,
+        holds=False,
+        is_warning=True,
+        remedy=remedy,
+    )

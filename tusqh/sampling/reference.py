@@ -1,0 +1,190 @@
+"""The volume of a geometry that a mesh of it is compared with, independent of the threshold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tusqh.geometry.image import Image
+from tusqh.geometry.kinds import Geometry, Surface
+from tusqh.geometry.outline import Outline
+from tusqh.grid import BackgroundGrid, FloatArray
+from tusqh.sampling.closing import close
+from tusqh.sampling.field import CrossingField
+from tusqh.sampling.fractions import VolumeFractions
+from tusqh.sampling.lattice import Box, Lattice
+from tusqh.settings.sampling import Sampling
+
+#: About how many samples the finer lattice has, and the most along a side of a cell.
+_SAMPLES, _FINEST = 2**23, 16
+
+#: Largest deviation of a winding number from 0 and 1 that is rounding.
+_ROUNDING = 1e-6
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The volume (2D: area) that a mesh should have.
+
+    Parameters
+    ----------
+    volume
+        In model units to the power of the dimension; 0 where it is unknown.
+    source
+        How it was found, in words.
+    ambiguity
+        Where the volume depends on what counts as inside: samples with a winding number between
+        1/4 and 3/4 over samples inside; 0 for closed surfaces.
+    """
+
+    volume: float
+    source: str
+    ambiguity: float = 0.0
+
+
+def find_reference(
+    geometry: Geometry,
+    fractions: VolumeFractions,
+    *,
+    sampling: Sampling | None = None,
+    window: Box | None = None,
+) -> Reference:
+    """Return the volume of a geometry in the grid and the window.
+
+    It is exact for a closed surface that covers no place twice and lies in the window; otherwise
+    the samples of a lattice, finer than that of the fractions where it is small, are counted where
+    the winding number is at least 1/2.  Of images it is the sum of the fractions.
+
+    Parameters
+    ----------
+    geometry
+        The geometry.
+    fractions
+        Its volume fractions.
+    sampling
+        How these were sampled; None: the defaults.
+    window
+        Box outside of which there is no material, in model units.
+
+    Examples
+    --------
+    >>> from tusqh.sampling.fractions import sample_fractions
+    >>> square = Outline.from_chains([np.array([[0.0, 0], [1, 0], [1, 1], [0, 1], [0, 0]])])
+    >>> grid = BackgroundGrid(shape=(3, 3), cell_size=0.4, origin=(0.0, 0.0))
+    >>> find_reference(square, sample_fractions(square, grid))
+    Reference(volume=1.0, source='the exact area', ambiguity=0.0)
+    """
+    sampling = sampling or Sampling()
+    if isinstance(geometry, Image):
+        return Reference(max(fractions.volume(), 0.0), "the grey values of the image")
+    grid = fractions.grid
+    samples = _samples_along(grid, fractions.samples)
+    lattice = Lattice.over_grid(grid, samples, window).of_samples()
+    cycle, cap = close(geometry)
+    field = CrossingField(cycle, cap, max(sampling.tolerance, 1e-4))
+    counted = _count(field, lattice)
+    is_outside = sampling.domain == "outside"
+    sign = -1 if counted.is_flipped(sampling) else 1
+    what = "area" if grid.dim == 2 else "volume"
+    size = (grid.cell_size / samples) ** grid.dim
+    if len(cap) == 0 and counted.is_simple(sign) and _lies_in(geometry, grid, window):
+        exact = sign * signed_volume(geometry)
+        of_window = _volume_of_window(grid, window)
+        volume = of_window - exact if is_outside else exact
+        return Reference(max(volume, 0.0), f"the exact {what}")
+    n_inside = counted.n_above if sign > 0 else counted.n_below
+    if is_outside:
+        n_inside = counted.n_samples - n_inside
+    source = f"the {what} where the winding number is at least 1/2"
+    return Reference(n_inside * size, source, counted.n_between / max(n_inside, 1))
+
+
+def signed_volume(geometry: Surface) -> float:
+    """Return the signed volume (2D: area) that a closed geometry encloses, in model units.
+
+    Parameters
+    ----------
+    geometry
+        An outline or a soup; of an open one the result depends on the origin.
+
+    Examples
+    --------
+    >>> square = [[0.0, 0], [2, 0], [2, 1], [0, 1], [0, 0]]
+    >>> signed_volume(Outline.from_chains([np.array(square)]))
+    2.0
+    """
+    low, high = geometry.bounding_box()
+    points = geometry.points - (np.array(low) + np.array(high)) / 2
+    if isinstance(geometry, Outline):
+        a, b = np.moveaxis(points[geometry.segments], 1, 0)
+        return float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum() / 2)
+    a, b, c = np.moveaxis(points[geometry.triangles], 1, 0)
+    return float(np.einsum("mi,mi->m", a, np.cross(b, c)).sum() / 6)
+
+
+@dataclass(frozen=True)
+class _Counted:
+    """Winding numbers of a lattice: their sum and extremes, and how many lie where."""
+
+    total: float
+    lowest: float
+    highest: float
+    n_above: int
+    n_below: int
+    n_between: int
+    n_samples: int
+
+    def is_flipped(self, sampling: Sampling) -> bool:
+        if sampling.orientation == "auto":
+            return self.total < 0
+        return sampling.orientation == "flip"
+
+    def is_simple(self, sign: int) -> bool:
+        """Return whether the winding number is 0 or 1 everywhere."""
+        low, high = sorted((sign * self.lowest, sign * self.highest))
+        return low > -_ROUNDING and high < 1 + _ROUNDING
+
+
+def _count(field: CrossingField, lattice: Lattice) -> _Counted:
+    n = int(lattice.n_blocks[0])
+    per_slab = max(1, _SAMPLES // int(lattice.n_blocks[1] * lattice.n_blocks[2]))
+    n_above = n_below = n_between = 0
+    total = lowest = highest = 0.0
+    for begin in range(0, n, per_slab):
+        slab = field.sums(lattice, begin, min(begin + per_slab, n))
+        n_above += int((slab >= 0.5).sum())
+        n_below += int((slab <= -0.5).sum())
+        n_between += int((np.abs(np.abs(slab) - 0.5) < 0.25).sum())
+        total += float(slab.sum())
+        lowest, highest = min(lowest, float(slab.min())), max(highest, float(slab.max()))
+    n_samples = int(np.prod(lattice.last - lattice.first))
+    return _Counted(total, lowest, highest, n_above, n_below, n_between, n_samples)
+
+
+def _samples_along(grid: BackgroundGrid, samples: int) -> int:
+    """Return how many samples lie along a side of a cell of the finer lattice, an even number."""
+    finer = int((_SAMPLES / grid.n_cells) ** (1 / grid.dim)) // 2 * 2
+    return max(samples, min(finer, _FINEST))
+
+
+def _lies_in(geometry: Surface, grid: BackgroundGrid, window: Box | None) -> bool:
+    low, high = geometry.bounding_box()
+    box_low, box_high = _box(grid, window)
+    slack = 1e-9 * grid.cell_size
+    return bool(
+        (np.array(low) >= box_low - slack).all() and (np.array(high) <= box_high + slack).all()
+    )
+
+
+def _volume_of_window(grid: BackgroundGrid, window: Box | None) -> float:
+    low, high = _box(grid, window)
+    return float(np.prod(np.maximum(high - low, 0.0)))
+
+
+def _box(grid: BackgroundGrid, window: Box | None) -> tuple[FloatArray, FloatArray]:
+    """Return the corners of the part of the grid that lies in the window."""
+    low, high = np.array(grid.origin), np.array(grid.upper)
+    if window is None:
+        return low, high
+    return np.maximum(low, window[0]), np.minimum(high, window[1])
