@@ -31,7 +31,8 @@ OTHERS = {
     "tiff_sizes",
     "voxels",
 }
-OTHERS |= {"loose", "polygons_of_maps", "rings"}
+OTHERS |= {"loose", "paint", "polygons_of_maps", "rings"}
+OTHERS |= {"svg_frame", "svg_shapes", "svg_style", "svg_tree"}
 
 
 def test_every_reader_is_in_the_table_and_every_suffix_once(repository):

@@ -81,20 +81,19 @@ def test_svg_shapes_and_transforms_point_up(tmp_path):
         tmp_path / "a.svg",
         '<g transform="translate(10 0)"><g transform="scale(2)">'
         '<path d="M0 0 L1 0 L1 1"/></g></g>'
-        '<rect x="1" y="2" width="3" height="4"/>'
-        '<polygon points="0,0 1,0 0,1"/><polyline points="0,0 1,0 0,1"/>'
+        '<rect x="21" y="2" width="3" height="4"/>'
+        '<polygon points="30,0 31,0 30,1"/><polyline points="40,0 41,0 40,1"/>'
         '<line x1="5" y1="0" x2="6" y2="1"/>'
         '<path d="M0 0h1v1h-1z M5 5h1"/>',
     )
     assert chains_of(path) == [
         [[10, 0], [12, 0], [12, -2]],
-        [[1, -2], [4, -2], [4, -6], [1, -6], [1, -2]],
-        [[0, 0], [1, 0], [0, -1], [0, 0]],
-        [[0, 0], [1, 0], [0, -1]],
-        [[5, 0], [6, -1]],
+        [[21, -2], [24, -2], [24, -6], [21, -6], [21, -2]],
+        [[30, 0], [31, 0], [30, -1], [30, 0]],
+        [[40, 0], [41, 0], [40, -1]],
         [[0, 0], [1, 0], [1, -1], [0, -1], [0, 0]],
-        [[5, -5], [6, -5]],
     ]
+    assert "left out: 1 elements that fill no area" in map(str, read_file(path).remarks)
 
 
 def test_svg_definitions_are_drawn_where_they_are_used(tmp_path):

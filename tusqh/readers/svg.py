@@ -1,45 +1,35 @@
-"""Read an SVG drawing: paths and basic shapes, transforms applied."""
+"""Read an SVG drawing: the union of what its elements fill, transforms and clip paths applied."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import partial
+from collections import Counter
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-from svgpathtools import Line, parse_path
-from svgpathtools.document import CONVERSIONS
-from svgpathtools.parser import parse_transform
+import shapely
 
 from tusqh.geometry.outline import Outline
 from tusqh.grid import FloatArray
-from tusqh.readers.curves import CHORD_TOLERANCE, flatten_curve
-from tusqh.readers.reading import Reading
-
-#: Elements whose content is drawn only when something else refers to it.
-_NOT_DRAWN = {"defs", "symbol", "clipPath", "mask", "marker", "pattern"}
-
-_XLINK = "{http://www.w3.org/1999/xlink}href"
-
-
-@dataclass(frozen=True)
-class _Subpath:
-    """Continuous curves of one element and the transform, shape (3, 3), that applies to them."""
-
-    curves: list[Any]
-    transform: FloatArray
+from tusqh.readers.curves import CHORD_TOLERANCE
+from tusqh.readers.loose import join_loose
+from tusqh.readers.paint import paint, unite
+from tusqh.readers.reading import Reading, Remark
+from tusqh.readers.rings import is_closed, settle
+from tusqh.readers.svg_shapes import flatten
+from tusqh.readers.svg_tree import Clip, Shape, Walk
 
 
 def read(path: Path) -> Reading:
-    """Read the continuous subpaths as polylines, in document order.
+    """Read the area that the elements of a drawing fill, or its lines where none is filled.
 
-    Straight lines are kept exactly; curves become chords that stay within `CHORD_TOLERANCE` of
-    them.  Coordinates are the user units of the root element.  The y axis of SVG points down,
-    so y changes its sign and the picture stands upright.  A path without ``Z`` stays open.
-    Elements that are hidden by a style are read like any other.
+    Every element paints its own area by its own fill rule, and the drawing is their union; rings
+    that overlap nothing keep their points.  Straight lines are kept exactly; curves become chords
+    that stay within `CHORD_TOLERANCE` of them.  Coordinates are the user units of the root
+    element.  The y axis of SVG points down, so y changes its sign and the picture stands upright.
+    A path without ``Z`` stays open.  What is not painted, text, images and everything else that
+    is not read are remarks.
 
     Parameters
     ----------
@@ -58,69 +48,61 @@ def read(path: Path) -> Reading:
     GeometryError
         The outline is empty, without extent or not finite.
     """
-    root = ElementTree.parse(path).getroot()
-    if _tag(root) != "svg":
-        raise ValueError(f"the root element is <{_tag(root)}>, not <svg>")
-    by_id = {element.get("id", ""): element for element in root.iter()}
-    subpaths = list(_subpaths_of(root, np.eye(3), by_id))
-    rough = [_flatten(subpath, np.inf) for subpath in subpaths]
+    walk = Walk(ElementTree.parse(path).getroot())
+    subpaths = [subpath for shape in walk.shapes for subpath in shape.subpaths]
+    rough = [flatten(subpath, np.inf) for subpath in subpaths]
     extent = float(np.ptp(np.concatenate(rough), axis=0).max()) if rough else 0.0
-    chains = [_flatten(subpath, CHORD_TOLERANCE * extent) for subpath in subpaths]
-    return Reading(Outline.from_chains(chains, name=path.name))
+    chains, remarks = _chains_of(walk.shapes, CHORD_TOLERANCE * extent)
+    outline = Outline.from_chains(chains, name=path.name)
+    return Reading(outline, (*walk.remarks(), *remarks))
 
 
-def _tag(element: ElementTree.Element) -> str:
-    """Return the name of an element without its namespace."""
-    return str(element.tag).rpartition("}")[2]
+def _chains_of(shapes: list[Shape], tolerance: float) -> tuple[list[FloatArray], list[Remark]]:
+    """Return the rings of what is filled, or the lines where nothing is."""
+    flat = [[flatten(subpath, tolerance) for subpath in shape.subpaths] for shape in shapes]
+    if not all(np.isfinite(chain).all() for chains in flat for chain in chains):
+        return [chain for chains in flat for chain in chains], []
+    painted = []
+    counts: Counter[str] = Counter()
+    for shape, chains in zip(shapes, flat, strict=True):
+        clip = None if not shape.clips else _region_of_clips(shape.clips, chains, tolerance)
+        found = paint(chains, rule=shape.rule, clip=clip) if shape.is_filled else None
+        if found is not None:
+            painted.append(found)
+            counts["clip"] += found.is_cut
+        else:
+            counts["lines"] += 1
+    if not painted:
+        loose, remarks = join_loose([chain for chains in flat for chain in chains])
+        what = "elements without a fill read as lines"
+        return loose, [Remark("noted", what, counts["lines"]), *remarks] if loose else []
+    rings, sides, n_overlapping = unite(painted)
+    settled, _ = settle(rings, sides)
+    remarks = []
+    n_open = sum(not is_closed(ring) for ring in settled)
+    for effect, what, count in (
+        ("left out", "elements that fill no area", counts["lines"]),
+        ("changed", "elements cut by clip paths or viewports", counts["clip"]),
+        ("changed", "elements united with others that they overlap", n_overlapping),
+        ("noted", "filled paths that stay open", n_open),
+    ):
+        if count:
+            remarks.append(Remark(effect, what, count))  # type: ignore[arg-type]
+    return settled, remarks
 
 
-def _subpaths_of(
-    element: ElementTree.Element, outer: FloatArray, by_id: dict[str, ElementTree.Element]
-) -> Iterator[_Subpath]:
-    """Yield the subpaths of an element and of everything inside it."""
-    transform = outer @ parse_transform(element.get("transform"), strict=True)
-    name = _tag(element)
-    if name in CONVERSIONS:
-        for curves in _continuous(parse_path(CONVERSIONS[name](element))):
-            yield _Subpath(curves, transform)
-    elif name == "use":
-        shift = np.eye(3)
-        shift[:2, 2] = float(element.get("x", 0)), float(element.get("y", 0))
-        target = by_id[(element.get("href") or element.get(_XLINK) or "").removeprefix("#")]
-        content = target if _tag(target) == "symbol" else [target]
-        for child in content:
-            yield from _subpaths_of(child, transform @ shift, by_id)
-    elif name not in _NOT_DRAWN:
-        for child in element:
-            yield from _subpaths_of(child, transform, by_id)
-
-
-def _continuous(curves: Any) -> Iterator[list[Any]]:
-    """Yield the runs of curves in which each starts where the one before it ended."""
-    run: list[Any] = []
-    for curve in curves:
-        if run and run[-1].end != curve.start:
-            yield run
-            run = []
-        run.append(curve)
-    if run:
-        yield run
-
-
-def _points_at(curve: Any, transform: FloatArray, parameters: FloatArray) -> FloatArray:
-    """Return transformed points on a curve, the y axis turned up, its ends exactly."""
-    inner = [curve.point(t) for t in parameters[1:-1]]
-    numbers = np.array([curve.start, *inner, curve.end], dtype=np.complex128)
-    moved = np.column_stack([numbers.real, numbers.imag]) @ transform[:2, :2].T + transform[:2, 2]
-    return np.column_stack([moved[:, 0], 0.0 - moved[:, 1]])
-
-
-def _flatten(subpath: _Subpath, tolerance: float) -> FloatArray:
-    """Return the polyline that stays within the tolerance of a subpath, shared ends once."""
-    parts = []
-    for curve in subpath.curves:
-        points_at = partial(_points_at, curve, subpath.transform)
-        is_straight = isinstance(curve, Line)
-        ends = np.array([0.0, 1.0])
-        parts.append(points_at(ends) if is_straight else flatten_curve(points_at, tolerance))
-    return np.concatenate([parts[0][:1], *(part[1:] for part in parts)])
+def _region_of_clips(clips: tuple[Clip, ...], chains: list[FloatArray], tolerance: float) -> Any:
+    """Return the region that all clips of an element leave visible."""
+    regions = []
+    for clip in clips:
+        parts = []
+        for shape in clip.shapes_for(chains):
+            flat = [flatten(subpath, tolerance) for subpath in shape.subpaths]
+            inner = _region_of_clips(shape.clips, flat, tolerance) if shape.clips else None
+            found = paint(flat, rule=shape.rule, clip=inner)
+            parts += [found.region] if found is not None else []
+        regions.append(shapely.union_all(parts) if parts else shapely.Polygon())
+    region = regions[0]
+    for other in regions[1:]:
+        region = shapely.intersection(region, other)
+    return region
