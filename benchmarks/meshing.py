@@ -1,7 +1,7 @@
 """From fractions to a resolved hex mesh and its checks: ``python -m benchmarks.meshing``.
 
 `automesh` (a Rust program with a Python package) makes hexes of the same voxels in the same run.
-It resolves no pinch and checks nothing: its mesh is the kept cells as they are.
+It resolves no pinch and checks nothing: its mesh consists of the unmodified kept cells.
 """
 
 from __future__ import annotations

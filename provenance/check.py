@@ -59,7 +59,7 @@ def check_records(
 
 
 def _missing_record(plan: Plan, step: Step) -> Finding:
-    # Snakemake does not notice that a record is missing beside existing outputs.
+    # Snakemake does not notice that the record of existing outputs is missing.
     is_lost = any(Path(path).exists() for path in step.outputs)
     return Finding(
         outcome=Outcome.CANNOT_TELL,

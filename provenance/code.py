@@ -6,7 +6,7 @@ a docstring or a new layout reruns none.
 
 The imports are followed here and not by a library such as grimp, because grimp's graph has one
 node per module: it does not tell imports that a package runs on import from those inside a
-function, and has neither data files beside modules nor the modules beside a script.  With it, a
+function, and omits data files next to modules and modules next to a script.  With it, a
 change would rerun steps that do not depend on it.
 """
 
@@ -26,7 +26,7 @@ PACKAGE_ROOT = Path(__file__).resolve().parents[1]
 #: The packages of the project.
 PACKAGES = ("tusqh", "studies", "provenance")
 
-#: Strings that can name a file or folder beside a module.
+#: Strings that can name a file or folder next to a module.
 _FILE_NAME = re.compile(r"\w[\w.-]*(/[\w.-]+)*")
 #: Fields without a meaning at run time; `ctx` follows from the position.
 _IGNORED_FIELDS = {"ctx", "kind", "type_comment", "type_ignores"}
@@ -81,12 +81,12 @@ def code_files(script: str, *, base: Path) -> dict[str, str]:
 
     All imports of a module count, also those inside functions.  Of a package that contains an
     imported module, only those count that its ``__init__`` runs on import.  A string that names a
-    file beside its module (a schema, a template) is a dependency on that file.
+    file next to its module (a schema, a template) is a dependency on that file.
 
     Parameters
     ----------
     script
-        The script of a rule, as ``workflow/scripts/mesh.py``; modules beside it belong to the
+        The script of a rule, as ``workflow/scripts/mesh.py``; modules next to it belong to the
         project as well.
     base
         The checkout.

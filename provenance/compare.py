@@ -37,7 +37,7 @@ class Reached:
 
 
 class Comparison:
-    """Results beside a lock.
+    """Results compared with a lock.
 
     Outputs that differ from their record count as unknown here: `provenance.check` finds them.
 

@@ -2,7 +2,7 @@
 
 https://www.researchobject.org/workflow-run-crate/profiles/provenance_run_crate (0.5).  The crate is
 made from the `what` records alone, so that it repeats byte for byte: times and hosts are in the
-`how` records beside them.
+`how` records.
 """
 
 from __future__ import annotations

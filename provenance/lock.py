@@ -22,7 +22,7 @@ from tusqh.atomic import write_text
 from tusqh.errors import ConfigError
 from tusqh.hashing import canonical_json
 
-#: The lock, beside the results.
+#: The lock, in the folder of the results.
 LOCK = Path("results/lock.json")
 _VERSION = 2
 

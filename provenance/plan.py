@@ -76,7 +76,7 @@ class Plan:
     snakefile
         The workflow.
     config_files, given_config_files
-        The configuration files that were read, and those of them that were given by an option.
+        The configuration files that were read, and the ones among them that an option names.
     """
 
     steps: dict[str, Step]

@@ -24,7 +24,7 @@ Runner = Callable[[Plan, Path, list[str]], None]
 
 
 def run_snakemake(plan: Plan, folder: Path, targets: list[str]) -> None:
-    """Make files of a plan in a folder; the log goes to the terminal.
+    """Make files of a plan in a folder; the log is printed on the terminal.
 
     Raises
     ------

@@ -37,7 +37,7 @@ SCHEMES = (
     AS_CONFIGURED,
 )
 
-#: Thresholds of the study besides that of the model.
+#: Thresholds of the study in addition to that of the model.
 STUDY_THRESHOLDS = (0.1, 0.3, 0.5, 0.7, 0.9)
 
 

@@ -67,7 +67,7 @@ def run_peer(
     name: str,
     python_path: Sequence[Path] = (),
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Mesh a surface with a peer in a process of its own, and measure the mesh and the time.
+    """Mesh a surface with a peer in a separate process, and measure the mesh and the time.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def _measure(
 def _run_apart(
     peer: str, given: dict[str, Any], seconds: int, python_path: Sequence[Path]
 ) -> tuple[str, dict[str, np.ndarray] | None]:
-    """Run a peer in a process of its own, and return its status and the arrays that it made."""
+    """Run a peer in a separate process, and return its status and its arrays."""
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "given.npz", Path(folder) / "made.npz"
         np.savez(source, **given)

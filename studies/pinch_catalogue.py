@@ -173,7 +173,7 @@ def connect_edges() -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return facts and shapes of blocks joined by thin bars, at the paper's four thresholds.
 
     A bar of width ``w`` along a line of the grid fills ``w`` of the fictitious cells of its edges
-    and half as much of the cells beside it: for thresholds between the two its edges alone join
+    and half as much of the adjacent cells: for thresholds between the two its edges alone join
     the blocks.
     """
     grid = BackgroundGrid(shape=(18, 6), cell_size=1.0, origin=(0.0, 0.0))

@@ -32,7 +32,7 @@ class Placement:
     rotation
         Rotation matrix, shape (dim, dim).
     offset
-        Where the middle of the box goes, shape (dim,), in cells of the largest size.
+        New position of the middle of the box, shape (dim,), in cells of the largest size.
     """
 
     rotation: FloatArray

@@ -1,6 +1,6 @@
 """The islands of a wedge, followed as the grid gets finer (paper: Convergence).
 
-Where a wedge is about one cell wide, kept cells come and go: an archipelago, between cot(a) / 2
+Where a wedge is about one cell wide, kept cells are interrupted: an archipelago, between cot(a) / 2
 and cot(a) cells from the apex for an opening angle ``a``.  Refinement moves it towards the apex
 and never removes it.  An island of one grid *continues* one of the next coarser grid when their
 ranges of distance from the apex overlap: the zigzag of components through the sequence of grids.

@@ -1,4 +1,4 @@
-"""`import tusqh` is light, and `tusqh.mesh` gives what the workflow gives, whatever the source."""
+"""`import tusqh` is light, and `tusqh.mesh` gives the workflow's results for any source."""
 
 import json
 import subprocess

@@ -1,4 +1,4 @@
-"""The examples run unchanged, and show what their first paragraph says."""
+"""The examples run unchanged, and their results agree with their first paragraph."""
 
 import importlib.util
 import subprocess

@@ -14,7 +14,7 @@ from tusqh.errors import OutputError
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Give a temporary name beside `path`, renamed to it when the block succeeds.
+    """Yield a temporary name in the folder of `path`, renamed to `path` when the block succeeds.
 
     The temporary file keeps the suffix, which many libraries choose the format by.  When the
     block fails it is removed, and an existing file at `path` is not changed.
@@ -118,7 +118,7 @@ def write_text(path: Path, text: str) -> None:
 
 
 def remove_leftovers(path: Path) -> None:
-    """Remove temporary files that a killed process left beside a file.
+    """Remove temporary files that a killed process left in the folder of a file.
 
     Parameters
     ----------

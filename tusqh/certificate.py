@@ -1,4 +1,4 @@
-"""The topology certificate beside every mesh, and its check from the mesh file alone.
+"""The topology certificate of a mesh, and its check from the mesh file alone.
 
 A certificate holds claims about the mesh and about the fractions it was made of.  Both are
 recomputed by the functions that made them, and the check is the difference.

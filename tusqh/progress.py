@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 _SECONDS_BETWEEN_LINES = 2.0
 
-#: Called with (done, in all) as work goes on.
+#: Called with (done, total) as the work progresses.
 Report = Callable[[int, int], None]
 
 #: Called with what is about to happen; returns the function to report on it.

@@ -22,7 +22,7 @@ def area_in_boxes(polygon: Polygon, x: Any, y: Any, size: Any) -> Any:
     """Return the area of a polygon inside square boxes, exactly.
 
     Green's theorem, box by box: the sum over the polygon's sides of the integral of their height
-    above the box's floor, cut to the box.  Nothing but rational arithmetic, so numbers of the
+    above the box's floor, cut to the box.  Only rational arithmetic is used, so numbers of the
     type `fractions.Fraction` give fractions without any rounding.
 
     Parameters

@@ -81,7 +81,7 @@ def test_a_path_turns_corners():
 
 
 def test_the_prototypes_fault_a_speck_beside_an_exterior_pinch_stays():
-    """Its pinch vertex fails the threshold, although both edges beside it pass."""
+    """Its pinch vertex fails the threshold, although both adjacent edges pass."""
     kept = np.zeros((4, 4), dtype=bool)
     kept[:2, :2] = kept[2, 2] = True
     edges = [(5, 4), (4, 3)]  # Right of and below the vertex (2, 2), around one empty cell.
@@ -110,7 +110,7 @@ def test_a_forest_makes_no_hole_and_all_may():
 
 
 def test_no_room_is_reported():
-    """A connecting template already fills the cell beside the only way."""
+    """A connecting template already fills the cell next to the only path."""
     kept = np.zeros((5, 4), dtype=bool)
     kept[0, 0] = kept[3, 1] = kept[4, 1] = kept[2, 2] = True
     crowded = build(field(kept, [*WAY[:3], (6, 4)]))  # (6, 4): the pinch connects.

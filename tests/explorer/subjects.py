@@ -1,4 +1,4 @@
-"""Models to look at, made of fields by the same steps as in the workflow."""
+"""Models for the explorer, made from fields by the same steps as in the workflow."""
 
 import numpy as np
 import pandas as pd

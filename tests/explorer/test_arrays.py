@@ -1,4 +1,4 @@
-"""What goes into the page says the same as the tables and the library it came from."""
+"""The arrays of the page agree with the tables and with the library."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Figures of the plane say all that they say: no words cut, none on top of others."""
+"""In figures of the plane no text is cut off and no texts overlap."""
 
 import itertools
 
@@ -80,7 +80,7 @@ def test_contaminants(fractions):
 
 
 def test_pinches_are_those_of_the_tables(fractions):
-    """Neither those of components that are gone nor those of holes that are filled."""
+    """Pinches of removed components and of filled holes are not drawn."""
     policy = {"components": {"min_cells": 5}, "holes": {"min_cells": 3}}
     cells = CellSets(fractions, Policy.from_dict(policy)).at(0.5)
     assert len(cells.features)

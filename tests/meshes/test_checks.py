@@ -1,4 +1,4 @@
-"""Every check fires on a mesh made for it, and on no other."""
+"""Every check fails on the mesh made for it, and passes on all others."""
 
 import numpy as np
 import pytest

@@ -88,7 +88,7 @@ def test_slabs_do_not_change_the_result(monkeypatch, rule):
     [(d, o) for d in ("inside", "outside") for o in ("auto", "as-is")] + [("outside", "flip")],
 )
 def test_clamping_changes_nothing_where_nothing_overlaps(domain, orientation):
-    """Two roads: runs of samples, and every sample by itself."""
+    """Runs of samples give the same result as every sample evaluated separately."""
     soup = soup_of(trimesh.creation.icosphere(subdivisions=3))
     window = ((-0.7, -1.0, -0.9), (0.93, 0.8, 1.0))
     grid = BackgroundGrid.over_box((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0), cells=9)

@@ -1,4 +1,4 @@
-"""A model has the same physical results whatever its unit of length."""
+"""A model has the same physical results for every unit of length."""
 
 import dataclasses
 

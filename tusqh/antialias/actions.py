@@ -104,7 +104,7 @@ def find_actions(
     at_vertex
         `SEPARATE`, `NONE` or `CONNECT` for every grid vertex, shape ``n + 1``.
     is_freed
-        Vertices at which the templates act whatever their neighbourhood, shape ``n + 1``.
+        Vertices at which the templates act in any neighbourhood, shape ``n + 1``.
 
     Returns
     -------

@@ -290,7 +290,7 @@ def predict_betti(
 
 
 def _label_with_bridges(kept: BoolArray, connects: BoolArray, bridges: list[Bridge]) -> IntArray:
-    """Return the component of every cell, from 1, those that bridges join as one."""
+    """Return the component of every cell, numbered from 1; bridges join components."""
     labels, n_components = label_components(kept, connects)
     if not bridges:
         return labels

@@ -51,7 +51,7 @@ def emit_mesh(
     bridges
         In 2D, paths of grid vertices, shape (m, 2) each, along which strips join components.
     is_freed
-        In 3D, vertices at which the templates act whatever their neighbourhood, shape ``n + 1``.
+        In 3D, vertices at which the templates act in any neighbourhood, shape ``n + 1``.
     name
         The model, for messages.
 

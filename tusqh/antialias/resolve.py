@@ -50,7 +50,7 @@ def build_mesh(cells: CellSet, grid: BackgroundGrid, *, name: str = "mesh") -> R
 
     Bridges are accepted when the mesh with them, measured, has fewer components than the mesh
     without them by the number of those that join components, and further holes by the number of
-    the others.  All are tried at once; should the measurement disagree, one after the other.
+    the others.  All are tried together; if the measurement disagrees, they are tried one by one.
 
     Parameters
     ----------

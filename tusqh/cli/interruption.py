@@ -1,4 +1,4 @@
-"""Being stopped by Ctrl-C or a scheduler: a message, and nothing half-written stays behind."""
+"""Stop on Ctrl-C or a scheduler's signal with a message, and leave no incomplete files."""
 
 from __future__ import annotations
 

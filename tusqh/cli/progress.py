@@ -15,7 +15,7 @@ from tusqh.progress import Progress, Report
 
 @contextmanager
 def shown() -> Iterator[Progress]:
-    """Give a progress function whose line is gone when the work is done.
+    """Yield a progress function whose line is cleared when the work is done.
 
     It is drawn on the standard error stream, and only where that is a terminal.
     """

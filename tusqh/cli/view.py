@@ -38,9 +38,9 @@ def view(
     settings: Settings,
     unit: Annotated[str, typer.Option(help="Unit of length of the geometry, for the axes.")] = "m",
 ) -> None:
-    """Look at a model at every threshold, in one page that needs nothing but a browser.
+    """Show a model at every threshold, in one page that needs only a browser.
 
-    A result folder is shown as it is, by the page of the workflow where there is one; a geometry
+    A result folder is shown unchanged, by the page of the workflow if there is one; a geometry
     is meshed first, as by tusqh mesh, and its options then count. The page holds everything: it
     can be moved, and sent to others.
 

@@ -1,8 +1,9 @@
-"""What the page draws, as arrays: the field, the plateaus, the diagram, the mesh, the geometry.
+"""The arrays that the page draws: field, plateaus, diagram, mesh and geometry.
 
 The page needs no faces per threshold.  A face between two cells is on the boundary of the kept
-cells exactly for ``lower fraction < t <= higher fraction``, so the ranks of the cell fractions say
-it for every threshold; the page lists the faces once and picks the visible ones at each step.
+cells exactly for ``lower fraction < t <= higher fraction``, so the ranks of the cell fractions
+determine this for every threshold; the page lists the faces once and picks the visible ones at
+each step.
 
 Fractions and thresholds are *keys*, whole multiples of `RESOLUTION` in 0..`FULL`; coordinates are
 in cells from the grid's origin.
@@ -33,7 +34,7 @@ Arrays = dict[str, NDArray[Any]]
 #: Meshes of more elements are shown by their boundary alone, and cannot be cut open.
 CUT_ELEMENTS = 200_000
 
-#: Geometry of more segments or triangles is left out.
+#: Geometry of more segments or triangles is omitted.
 GEOMETRY_PIECES = 300_000
 
 #: Steps of a coordinate along the longest side of the geometry's box.
@@ -65,7 +66,7 @@ def field_arrays(fractions: VolumeFractions) -> Arrays:
 
 
 def plateau_arrays(cell_sets: CellSets, curves: pd.DataFrame, topologies: pd.DataFrame) -> Arrays:
-    """Return the plateaus of the threshold, from high to low, and what is special on each.
+    """Return the plateaus of the threshold, from high to low, with their Betti numbers and changes.
 
     Parameters
     ----------
@@ -103,7 +104,7 @@ def plateau_arrays(cell_sets: CellSets, curves: pd.DataFrame, topologies: pd.Dat
 
 
 def _toggles(cell_sets: CellSets, topologies: pd.DataFrame, of_mesh: IntArray) -> Arrays:
-    """Return which cells change, from plateau to plateau, whether they go by their fraction."""
+    """Return the cells that begin or cease, at each plateau, to follow their fraction."""
     cells = cell_sets.fractions.cells
     thresholds = topologies["threshold"].to_numpy()
     is_special = np.asarray((topologies["removed"] > 0) | (topologies["filled"] > 0))
@@ -169,7 +170,7 @@ def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid) -> Arrays:
     Returns
     -------
     arrays
-        `points`; `corners` of every facet (in 2D of every element), walked so that it faces out
+        `points`; `corners` of every facet (in 2D of every element), ordered so that it faces out
         of its first element: the first corner as difference to that of the facet before, the
         others as difference to the first.  `first`: the first element, as difference to that of
         the facet before; `second`: the other element less the first, 0 where there is none.  For
@@ -208,7 +209,7 @@ def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid) -> Arrays:
 
 
 def geometry_arrays(geometry: Geometry, grid: BackgroundGrid) -> Arrays:
-    """Return a geometry as it is: `points`, and `pieces`, the ends or corners of each piece.
+    """Return the unrepaired geometry: `points`, and `pieces`, the ends or corners of each piece.
 
     Points are rounded to 2^16 steps along the longest side of the geometry's box; `box` holds its
     lowest corner and that side.  A geometry of too many pieces has none, nor have images.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib import resources
 
-#: The scripts of the page in the order in which they are read.
+#: The scripts of the page, in loading order.
 SCRIPTS = (
     *("colours", "payload", "plateaus", "faces", "shaders", "layers", "stage", "axes"),
     *("curves", "diagram", "tables", "main"),

@@ -1,4 +1,4 @@
-"""Arrays as text for a page: gzip in base64, the same bytes for the same arrays."""
+"""Arrays as text for a page: gzip in base64; the same arrays give the same bytes."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def pack(arrays: Mapping[str, NDArray[Any]]) -> Packed:
 
 
 def smallest_unsigned(array: NDArray[Any]) -> NDArray[Any]:
-    """Return whole numbers from 0 on in the smallest unsigned type that holds them.
+    """Return integers from 0 up in the smallest unsigned type that holds them.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ from tusqh.threshold.plateaus import BETTI
 
 
 def make_page(subject: Subject) -> str:
-    """Return the explorer of a model: the same text for the same subject.
+    """Return the explorer page of a model; the same subject gives the same text.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def make_page(subject: Subject) -> str:
 
 
 def fill(template: str, **parts: str) -> str:
-    """Return a template with each ``{{name}}`` replaced; what is put in is not looked at again.
+    """Return a template with each ``{{name}}`` replaced once; replacements are not expanded.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def fill(template: str, **parts: str) -> str:
 
 
 def to_script_json(value: Any) -> str:
-    r"""Return a value as JSON that no text in it can break out of a script element with.
+    r"""Return a value as JSON in which no text can end the enclosing script element.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def to_script_json(value: Any) -> str:
 
 
 def describe(subject: Subject) -> dict[str, Any]:
-    """Return what the page says about a model in words and tables, as plain values for JSON.
+    """Return the texts and tables of the page about a model, as plain values for JSON.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def _plain(value: Any) -> Any:
 
 
 def _security_policy(*scripts: str) -> str:
-    """Return a policy that lets a page run these scripts and nothing else, and load nothing."""
+    """Return a policy that lets a page run only these scripts and load no resources."""
     digests = [base64.b64encode(hashlib.sha256(s.encode()).digest()).decode() for s in scripts]
     allowed = " ".join(f"'sha256-{digest}'" for digest in digests)
     return f"default-src 'none'; script-src {allowed}; style-src 'unsafe-inline'; base-uri 'none'"

@@ -52,11 +52,11 @@ class Subject:
     unit
         Unit of length of its geometry.
     y_up
-        Whether a solid first stands on its lowest y instead of its lowest z.
+        Whether y points up in the first view of a solid, instead of z.
     command
         The command that makes its mesh.
     geometry
-        The outline or soup, as it is.
+        The outline or soup, without repair.
     fractions
         Volume fractions of cells and sub-cells.
     curves
@@ -199,7 +199,7 @@ def stands_on_y(geometry: str) -> bool:
 
 
 def _known(chosen: Mapping[str, Any], fractions: VolumeFractions) -> Settings:
-    """Return those settings of a model that its results tell."""
+    """Return the settings of a model that can be read from its results."""
     grid = fractions.grid
     return Settings(
         grid=Grid(cells=grid.shape),

@@ -51,7 +51,7 @@ def draw_antialias(
     colours[mesh.kind == SEPARATING] = style.SEPARATING
     colours[mesh.kind == CONNECTING] = style.CONNECTING
     colours[mesh.kind == BRIDGE] = style.BRIDGE
-    # Not those of all cells above the threshold: components may be gone, and holes filled.
+    # Some cells above the threshold may be removed, and some below it filled.
     is_whole = (mesh.kind == GRID_CELL) | (mesh.kind == INNER_CELL)
     kept = np.zeros(grid.shape, dtype=bool)
     kept.flat[mesh.grid_cell[is_whole]] = True

@@ -41,7 +41,7 @@ def draw_field(fractions: VolumeFractions, outline: Outline, *, name: str, unit:
     else:
         figure, axes = style.new_figure(1, 2, width=9.5, height=3.4 * ratio + 0.7)
     whole, close_up = axes.ravel()
-    # A node of the doubled grid stands for the half cell around it.
+    # A node of the doubled grid represents the half cell around it.
     half = grid.cell_size / scale / 4
     extent = (lower[0] - half, upper[0] + half, lower[1] - half, upper[1] + half)
     cells = fractions.cells

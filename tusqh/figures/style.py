@@ -34,13 +34,13 @@ PEER_COLOURS = (_PALETTE[3], _PALETTE[0], _PALETTE[2], _PALETTE[4], _PALETTE[1])
 INTERIOR_VERTEX = _PALETTE[0]
 INTERIOR_EDGE = _PALETTE[4]
 DIMENSION_COLOURS = (_PALETTE[0], _PALETTE[1], _PALETTE[2])
-#: The mesh in figures of curves, whatever the dimension of its classes.
+#: The mesh in figures of curves, for classes of any dimension.
 MESH_LINE = _PALETTE[0]
 #: Volume fractions beyond 0 and 1, where a geometry overlaps or is inside out.
 BELOW_RANGE, ABOVE_RANGE = _PALETTE[3], _PALETTE[6]
 DIMENSION_NAMES = ("components", "holes", "voids")
 
-#: Label of every axis of thresholds, which goes from 0 to 1.
+#: Label of every axis of thresholds, which extends from 0 to 1.
 THRESHOLD_LABEL = "volume-fraction threshold [-]"
 
 _DPI = 150

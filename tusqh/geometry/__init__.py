@@ -1,1 +1,1 @@
-"""Outlines as they are: reading them and measuring (never repairing) their defects."""
+"""Outlines, triangle soups and images, with their defects measured but never repaired."""

@@ -52,8 +52,8 @@ def boundary_edges(triangles: IntArray, n_points: int) -> tuple[IntArray, IntArr
     Returns
     -------
     edges, multiplicity
-        Edges, shape (k, 2), lower point first, in lexicographic order, and how often each is
-        walked forwards less backwards, shape (k,), never zero.
+        Edges, shape (k, 2), lower point first, in lexicographic order, and the number of
+        forward minus backward copies of each, shape (k,), never zero.
 
     Examples
     --------
@@ -163,7 +163,7 @@ def _cancel(edges, multiplicity, n_points):  # type: ignore[no-untyped-def]
     """Sort edges into buckets by their lower point, and each bucket by the upper one."""
     start = np.zeros(n_points + 1, dtype=np.int64)
     for a, b in edges:
-        if a != b:  # An edge walked twice to the same point is no boundary of anything.
+        if a != b:  # An edge whose ends coincide bounds nothing.
             start[min(a, b) + 1] += 1
     for v in range(n_points):
         start[v + 1] += start[v]

@@ -13,7 +13,7 @@ from tusqh.topology.betti_numbers import BettiNumbers
 
 
 def count_components(groups: IntArray) -> int:
-    """Return how many components rows of a table form that share entries.
+    """Return the number of components of rows, where rows that share an entry are joined.
 
     Parameters
     ----------

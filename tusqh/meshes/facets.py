@@ -53,7 +53,7 @@ class Facets:
 
     @cached_property
     def on_boundary(self) -> BoolArray:
-        """For every row, whether no other element has that facet."""
+        """Whether the facet of each row belongs to no other element."""
         return np.asarray(self.n_cells_of[self.unique] == 1)
 
     @cached_property

@@ -14,7 +14,7 @@ from tusqh.topology.betti_numbers import BettiNumbers
 
 @dataclass(frozen=True)
 class Measurement:
-    """What a mesh is, measured from its points and elements alone.
+    """Properties of a mesh, measured from its points and elements alone.
 
     Each property is computed once, when it is first needed.
 

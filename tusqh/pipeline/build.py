@@ -25,7 +25,7 @@ from tusqh.threshold.selection import Selection
 
 @dataclass(frozen=True)
 class Built:
-    """A mesh and what it was made of.
+    """A mesh with the fractions and the selection that it was made from.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class Built:
 
     @cached_property
     def facts(self) -> dict[str, Any]:
-        """Plain numbers about the mesh, which tables quote."""
+        """Numbers and names that describe the mesh, for tables."""
         return {
             "threshold": self.selection.threshold,
             "margin": self.selection.margin,

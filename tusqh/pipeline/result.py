@@ -141,7 +141,7 @@ class Result:
     Parameters
     ----------
     geometry
-        The outline, soup or image, as it is.
+        The outline, soup or image, without repair.
     fractions
         Volume fractions of cells and sub-cells.
     persistence
@@ -153,7 +153,7 @@ class Result:
     judgement
         Every check of the mesh.
     settings
-        What was asked for, as a model's block of the configuration without its `geometry`.
+        The settings, as in a model's block of the configuration without its `geometry`.
     """
 
     geometry: Geometry

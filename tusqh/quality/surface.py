@@ -16,7 +16,7 @@ from tusqh.topology.betti_numbers import BettiNumbers
 
 @dataclass(frozen=True)
 class SurfaceMeasures:
-    """What pymeshlab finds on a mesh: the quads of a 2D mesh, or the boundary of a 3D one.
+    """Measures by pymeshlab of the quads of a 2D mesh or of the boundary of a 3D mesh.
 
     Quads are split into triangles.  Two flat elements that overlap are not a self-intersection
     to pymeshlab, which looks for crossing triangles; `tusqh.quality.overlap` finds those.
@@ -96,7 +96,7 @@ def judge_surface(
     predicted
         Betti numbers it must have.
     measure
-        What measures the surface.
+        Function that measures the surface.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""What a reader returns: the geometry, and remarks on what the file holds besides."""
+"""The result of a reader: the geometry, and remarks about how the file was read."""
 
 from __future__ import annotations
 

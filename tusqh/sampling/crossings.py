@@ -116,7 +116,7 @@ def _normals(corners: FloatArray) -> FloatArray:
 
 
 def _is_facing(seen: FloatArray) -> BoolArray:
-    """Return whether more than a quarter turn of triangles or segments is seen from the origin."""
+    """Return whether triangles or segments subtend more than a quarter turn at the origin."""
     if seen.shape[1] == 2:
         return np.asarray((seen[:, 0] * seen[:, 1]).sum(axis=1) < 0.0)
     a, b, c = (seen[:, k] for k in range(3))

@@ -83,7 +83,7 @@ class Lattice:
         return int(self.n_blocks[1] * self.half[1]) == 1
 
     def of_samples(self) -> Lattice:
-        """Return the same lattice with every sample as a half-block of its own."""
+        """Return the same lattice with one half-block for each sample."""
         ones = np.ones(3, dtype=np.int64)
         shape = self.n_blocks * self.half
         return Lattice(self.origin, self.step, ones, shape, self.first, self.last)

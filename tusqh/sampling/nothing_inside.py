@@ -43,7 +43,7 @@ def nothing_inside(geometry: Surface, spacing: float) -> SamplingError:
 
 
 def _least_sides(geometry: Surface) -> FloatArray:
-    """Return the least side of the box around every chain or part that has a width."""
+    """Return the smallest nonzero side of the bounding box of every chain or part."""
     if isinstance(geometry, Outline):
         corners, owners = geometry.segments, geometry.chains
     else:

@@ -17,7 +17,7 @@ _LIMITS = {
 
 @dataclasses.dataclass(frozen=True)
 class Setting:
-    """What is known about a field besides its name, type and default.
+    """Properties of a field other than its name, type and default.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class Setting:
     extra
         Further keywords of JSON schema.
     is_inline
-        Whether the keys of this section stand beside its neighbours instead of below a key.
+        Whether the keys of this section are on the level of its neighbours, not below a key.
     is_spread
         Whether the fields of this section are arguments of `tusqh.mesh` by their own names.
     argument
@@ -91,7 +91,7 @@ def setting(sentence: str, *, default: Any = dataclasses.MISSING, **about: Any) 
     sentence
         What the setting means.
     default
-        The default; a class stands for an instance of it.  Without one the setting is required.
+        The default; a class means an instance of it.  Without one the setting is required.
     **about
         `above`, `at_least`, `at_most` and `multiple_of` limit numbers; the others are parameters
         of `Setting`.

@@ -141,7 +141,7 @@ def to_table(section: type[Section]) -> str:
 
 
 def _keys_of(section: type) -> list[Entry]:
-    """Return the fields of a section with those of the sections that stand beside them."""
+    """Return the fields of a section with those of the sections on the same level."""
     entries = []
     for entry in entries_of(section):
         entries += _keys_of(entry.hint) if entry.setting.is_inline else [entry]

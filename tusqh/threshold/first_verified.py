@@ -1,4 +1,4 @@
-"""The loop that proves a choice: predict, mesh, measure, or go on to the next candidate."""
+"""The loop that proves a choice: predict, mesh, measure, or continue with the next candidate."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-# The validated configuration and the few functions that read it; no other file does.
+# The validated configuration and the functions that read it; other files do not read it.
 import difflib
 import os
 import sys

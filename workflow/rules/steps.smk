@@ -1,4 +1,4 @@
-# What every step with a script has besides the contents of its rule: a log, two outputs that record
+# Every step with a script has, in addition to the contents of its rule: a log, two outputs that record
 # how it ran, the list of its software, which documents it (see README), and a fingerprint of its
 # code, so that Snakemake reruns the step when the code changes.
 # This file comes last, when all rules are known.

@@ -10,7 +10,7 @@ class Diagram {
   /**
    * @param canvas where to draw
    * @param pairs of tusqh.explorer.arrays.pair_arrays, the longest-lived first
-   * @param onFocus called with a pair, or -1, when another one is looked at
+   * @param onFocus called with a pair, or -1, when another one is pointed at
    */
   constructor(canvas, pairs, onFocus) {
     Object.assign(this, { canvas, pairs, onFocus, threshold: 1, focus: -1, pinned: -1 });

@@ -2,7 +2,7 @@
 // What the stage shows: kept cells, the final mesh, the geometry, and highlighted places.
 
 /**
- * Return squares of four corners each, of which the first so many are drawn.  They are no
+ * Return squares of four corners each, of which only the first ones are drawn.  They are no
  * instances: drawing in software pays for every instance as for a whole object.
  */
 function manySquares(n) {
@@ -125,7 +125,7 @@ class MeshLayer {
   colourBy(mode) { this.object.material.uniforms.byQuality.value = mode === 'quality' ? 1 : 0; }
 }
 
-/** Return the geometry as it is: lines above the cells in the plane, triangles in space. */
+/** Return the unrepaired geometry: lines above the cells in the plane, triangles in space. */
 function geometryObject(arrays, isFlat) {
   const dim = isFlat ? 2 : 3;
   const [lower, side] = [arrays.box.subarray(0, dim), arrays.box[dim]];

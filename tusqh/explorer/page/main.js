@@ -73,7 +73,7 @@ class Explorer {
     );
     const { tables } = this.facts;
     fillPanel(byId('panel-defects'), [{
-      title: 'What is dirty about the geometry, measured and left as it is', table: tables.defects,
+      title: 'Defects of the geometry, measured but not repaired', table: tables.defects,
       options: { under: 'explanation', classes: { defect: WIDE, unit: SMALL } },
     }]);
     fillPanel(byId('panel-quality'), [
@@ -180,7 +180,7 @@ class Explorer {
   /** Show the kept cells, the final mesh or the geometry. */
   setView(view) {
     this.view = view;
-    // The mesh is that of one threshold, and so is all that stands beside it.
+    // The mesh and all facts about it belong to one threshold.
     if (view === 'mesh' && this.plateau !== this.plateaus.chosen) this.setPlateau(this.plateaus.chosen);
     for (const button of document.querySelectorAll('[data-view]')) {
       const isShown = button.dataset.view === view;
@@ -334,7 +334,7 @@ class Explorer {
     note.hidden = this.view === 'cells';
     note.textContent = this.view === 'mesh'
       ? `Mesh at the chosen threshold ${show(chosen.threshold)}: ${chosen.reason}`
-      : 'The geometry as it is in the file';
+      : 'The geometry of the file, unrepaired';
   }
 
   writeDiagramLegend(now) {
@@ -367,7 +367,7 @@ class Explorer {
       item.append(low, bar, high);
       return [element('li', '', title), item];
     };
-    const outline = this.isFlat && this.hasGeometry && byId('outline').checked ? [entry(COLOURS.outline, 'geometry, as it is')] : [];
+    const outline = this.isFlat && this.hasGeometry && byId('outline').checked ? [entry(COLOURS.outline, 'geometry, unrepaired')] : [];
     let items = [];
     if (this.view === 'cells') {
       items = mode === 'fraction' ? scale('0', '1', 'volume fraction [-]') : [entry(COLOURS.material, 'kept cells')];
@@ -383,7 +383,7 @@ class Explorer {
         ),
       );
       items.push(...outline);
-    } else if (this.isFlat) items = [entry(COLOURS.outline, 'geometry, as it is')];
+    } else if (this.isFlat) items = [entry(COLOURS.outline, 'geometry, unrepaired')];
     else items = [entry(COLOURS.front, 'outer side'), entry(COLOURS.back, 'inner side')];
     byId('legend').replaceChildren(...items);
   }

@@ -113,7 +113,7 @@ class Exceptions {
   constructor(arrays, nCells) {
     this.arrays = arrays;
     this.mask = new Uint8Array(nCells);
-    this.done = 0; // Changes of so many plateaus are in the mask.
+    this.done = 0; // Number of plateaus whose changes are in the mask.
     this.size = 0;
   }
 

@@ -1,5 +1,5 @@
 'use strict';
-// Tables of the results; every name goes in as text, never as markup.
+// Tables of the results; every name is inserted as text, never as markup.
 
 /**
  * Return a table of rows, numbers to the right.
