@@ -1,5 +1,6 @@
 """The table of formats: complete, imported only when needed, and the base of messages and docs."""
 
+import re
 import subprocess
 import sys
 import tomllib
@@ -97,3 +98,15 @@ def test_the_documentation_names_every_format(repository):
     page = (repository / "docs/add-a-model.md").read_text()
     for suffix in suffixes_of():
         assert f"`{suffix}`" in page
+
+
+def test_the_page_on_inputs_has_every_format_and_names_tests_that_exist(repository):
+    page = (repository / "docs/inputs.md").read_text()
+    rows = {row.split("|")[1].strip() for row in page.splitlines() if row.startswith("| ")}
+    named = {"NumPy array": "NPY", "TIFF stack": "TIFF", "CSV of segments": "CSV"}
+    named |= {"VTK": "VTK, VTU, VTP"}
+    missing = {named.get(found.name, found.name) for found in FORMATS} - rows
+    assert not missing
+    tests = "".join(path.read_text() for path in (repository / "tests/readers").glob("*.py"))
+    for name in re.findall(r"`(test_\w+)`", page):
+        assert f"def {name}(" in tests, name

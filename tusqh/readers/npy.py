@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -34,7 +35,8 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
         The file has more or fewer bytes than its header says, or the array is not an image, see
         `tusqh.geometry.image.Image`.
     """
-    with path.open("rb") as file:
+    with path.open("rb") as file, warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # Of headers that Python 2 wrote.
         voxels = np.load(file, allow_pickle=False)
         n_left = path.stat().st_size - file.tell()
     if n_left:
