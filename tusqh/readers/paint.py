@@ -140,6 +140,11 @@ def unite(painted: Sequence[Painted]) -> tuple[list[FloatArray], list[int], int]
     ----------
     painted
         The shapes.
+
+    Returns
+    -------
+    rings, sides, n_overlapping
+        The rings, 1 for outer ones and -1 for holes, and the number of shapes that overlap.
     """
     regions = np.array([p.region for p in painted], dtype=object)
     first, second = shapely.STRtree(regions).query(regions, predicate="intersects")

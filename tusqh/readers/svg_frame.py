@@ -35,6 +35,11 @@ class Viewport:
             A number with or without a unit.
         axis
             0 for widths, 1 for heights, 2 for radii: what a percentage refers to.
+
+        Raises
+        ------
+        ValueError
+            The text is not a length, or a percentage of a size that is not known.
         """
         match = re.fullmatch(rf"\s*({_NUMBER})\s*([a-zA-Z]*|%)\s*", text)
         if match is None or match[2].lower() not in {*_UNITS, "%"}:
@@ -131,6 +136,11 @@ def transform_of(style: Mapping[str, str], viewport: Viewport) -> FloatArray:
         With `transform` and `transform-origin`, as an attribute or in CSS.
     viewport
         What percentages refer to.
+
+    Raises
+    ------
+    ValueError
+        The transform cannot be read.
     """
     text = style.get("transform", "none")
     matrix = np.eye(3)

@@ -35,6 +35,11 @@ def rules_of(root: Element) -> tuple[list[Rule], int]:
     ----------
     root
         The root element.
+
+    Returns
+    -------
+    rules, n_unknown
+        The rules, the weakest first, and the number of selectors.
     """
     rules: list[Rule] = []
     n_unknown = 0
