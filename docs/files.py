@@ -26,7 +26,7 @@ the workflow makes them. The names are given once, in `tusqh/files.py`; the rule
 COLUMNS = """
 ## Columns
 
-A table of an outline has the same columns without those that end in `k` or `z`.
+Tables of outlines do not have the columns that end in `k` or `z`.
 
 | file | columns |
 |---|---|

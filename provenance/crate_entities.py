@@ -101,7 +101,7 @@ def whole_run(sources: list[dict[str, Any]], outputs: list[dict[str, Any]]) -> E
 
 
 def orchestration(controls: list[Entity]) -> Entity:
-    """Return the action of Snakemake that started the run of each step."""
+    """Return the action of Snakemake that started the runs of all steps."""
     return {
         "@id": _ORCHESTRATION,
         "@type": "OrganizeAction",

@@ -1,4 +1,4 @@
-"""What is made from the fields of the settings agrees with them."""
+"""Files generated from the fields of the settings are current."""
 
 import inspect
 from dataclasses import MISSING, dataclass

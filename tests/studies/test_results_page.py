@@ -1,4 +1,4 @@
-"""The committed page of results: whole, and what the locked tables say."""
+"""The committed page of results is complete and agrees with the locked tables."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""The effective count against the full machinery on the complex with the decisions built in."""
+"""The effective count equals the homology of the complex that includes the decisions."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What a meshing scheme guarantees about its elements."""
+"""The bounds that a meshing scheme guarantees for its elements."""
 
 from __future__ import annotations
 

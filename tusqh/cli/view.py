@@ -63,7 +63,7 @@ def view(
 
 
 def _from_folder(folder: Path, output: Path | None, unit: str) -> Path:
-    """Return the page of a result folder: the workflow's, unless its inputs changed since."""
+    """Return the page of a result folder; the workflow's is used if its inputs have not changed."""
     from tusqh.atomic import write_text
     from tusqh.explorer.page import make_page
     from tusqh.explorer.subject import FILES_READ, read_subject

@@ -74,7 +74,7 @@ def neighbours_along(array: Array, axis: int) -> tuple[Array, Array]:
 
 
 def window(array: Array, offset: IntArray | Sequence[int], shape: tuple[int, ...]) -> Array:
-    """Return the view of a shape that starts at an offset.
+    """Return the view of the given shape that starts at an offset.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ from tusqh.meshes.mfem_mesh import to_mfem
 
 __all__ = ["VolumeMesh"]
 
-#: What an element is, by the number in `VolumeMesh.kind`.
+#: The kinds of element, indexed by `VolumeMesh.kind`.
 KINDS = ("grid cell", "inner cell", "separating template", "connecting template", "bridge")
 GRID_CELL, INNER_CELL, SEPARATING, CONNECTING, BRIDGE = range(5)
 
@@ -32,7 +32,7 @@ class VolumeMesh(ElementMesh):
     cells
         Corners of every element, shape (m, 2**dim), VTK order, positively oriented.
     kind
-        What each element is (index into `KINDS`), shape (m,).
+        Kind of each element (index into `KINDS`), shape (m,).
     grid_cell
         Flat index (C order) of the background-grid cell that each element lies in, shape (m,).
     name

@@ -145,7 +145,7 @@ def run_stages(
     name: str | None = None,
     progress: Progress = log_progress,
 ) -> Result:
-    """Return the mesh of a geometry by typed settings: what `tusqh.mesh` does.
+    """Return the mesh of a geometry for typed settings, as `tusqh.mesh` does.
 
     Parameters
     ----------

@@ -102,7 +102,7 @@ class Target(Section):
         return Target.from_argument([_from_text(entry.strip()) for entry in text.split(",")])
 
     def to_option(self) -> str:
-        """Return the text of the option ``--betti``; lists, which it cannot say, become ranges."""
+        """Return the text of the option ``--betti``, in which lists become ranges."""
         return ",".join(_to_text(getattr(self, entry.name)) for entry in entries_of(Target))
 
 
