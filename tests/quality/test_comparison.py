@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import tusqh
+from tusqh.errors import TopologyError
 from tusqh.geometry.outline import Outline
 
 
@@ -63,3 +64,9 @@ def test_a_sheet_without_an_inside_is_called_open():
     triangles = [t for a in low for t in ((a, a + 6, a + 7), (a, a + 7, a + 1))]
     result = tusqh.mesh((np.array(points), np.array(triangles)), cells=12, threshold=0.1)
     assert "open_surface" in rows(result, "warning").index
+
+
+def test_a_volume_that_no_threshold_matches_is_an_error_that_names_what_helps():
+    with pytest.raises(TopologyError, match=r"nearest mesh is 3\.05.*") as caught:
+        tusqh.mesh(box(220, 220, 3), cells=24, volume="match")
+    assert "`--cell-size 1.5`" in str(caught.value)

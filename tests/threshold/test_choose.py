@@ -57,7 +57,7 @@ def test_an_unreachable_target_lists_what_is_reachable():
     message = str(caught.value)
     assert "ring: no threshold gives betti_1 = 2" in message
     assert "0.2500 < t <= 0.5000: betti_0 = 1, betti_1 = 1" in message
-    assert "nearest: betti_1 = 1" in message
+    assert message.index("betti_1 = 1") > message.index("the nearest first")
 
 
 @pytest.mark.parametrize("threshold", [0.0, -1.0, 1.5, float("nan")])

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-from tusqh.pipeline.build import build
+from tusqh.errors import TopologyError
+from tusqh.pipeline.build import Built, build
 from tusqh.pipeline.ingest import ingest
 from tusqh.pipeline.judge import judge
 from tusqh.pipeline.persistence import find_persistence
@@ -190,6 +191,20 @@ def run_stages(
         reference=reference,
         tolerance=settings.quality.volume_tolerance,
     )
+    if settings.goal.volume is not None:
+        _require_volume(built)
     progress("quality")
     judgement = judge(built.mesh, choice.selection.predicted, comparison=built.comparison)
     return Result(geometry, fractions, found, choice, built, judgement, settings)
+
+
+def _require_volume(built: Built) -> None:
+    """Raise an error where the volume was to be matched and no threshold does it."""
+    check = next(check for check in built.comparison if check.id == "volume")
+    if not check.holds:
+        raise TopologyError(
+            f"the volume of the nearest mesh is {check.found}",
+            where=built.mesh.name,
+            expected=f"a volume {check.required}",
+            remedy=f"{check.remedy}; `--volume-tolerance` allows a larger difference",
+        )

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pandas as pd
 
 from tusqh.antialias.cells import CellSets
 from tusqh.errors import TopologyError
 from tusqh.settings.goal import Target
 from tusqh.threshold.goals import distances
-from tusqh.threshold.plateaus import list_reachable
+from tusqh.threshold.plateaus import list_intervals, list_reachable, merge_intervals
 from tusqh.topology.persistence import DIAGRAM_CELLS
+
+#: At most this many intervals are listed where a target is not reached.
+NEAREST = 10
 
 
 def unreachable_target(predicted: pd.DataFrame, target: Target, name: str) -> TopologyError:
@@ -24,17 +28,20 @@ def unreachable_target(predicted: pd.DataFrame, target: Target, name: str) -> To
     name
         The model.
     """
-    shown = predicted[predicted["cells"] > 0]
-    nearest = "none"
-    if len(shown):
-        row = shown.iloc[int(distances(shown, target).argmin())]
-        nearest = ", ".join(f"{key} = {row[key]:.0f}" for key in target.given())
+    intervals = merge_intervals(predicted)
+    order = np.lexsort([-intervals["width"], distances(intervals, target)])
+    nearest = intervals.iloc[order[:NEAREST]]
+    n_more = len(intervals) - len(nearest)
+    more = f"\n    and {n_more} more intervals: `tusqh inspect --all` lists them" if n_more else ""
     return TopologyError(
         f"no threshold gives {target}",
         where=name,
-        expected="Betti numbers that some threshold reaches:\n" + list_reachable(predicted),
-        remedy=f"ask for one of these (nearest: {nearest}), or change the grid, or the criteria "
-        "for `components` and `holes`",
+        expected="Betti numbers that some threshold reaches, the nearest first:\n"
+        + list_intervals(nearest)
+        + more,
+        remedy="ask for one of these, use another grid (`--cells`), or remove small components "
+        "(`--min-cells`) or fill small holes in 2D and voids in 3D (`--holes-min-cells`, "
+        "`--voids-min-cells`)",
     )
 
 

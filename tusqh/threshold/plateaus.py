@@ -199,10 +199,21 @@ def list_reachable(predicted: pd.DataFrame) -> str:
     predicted
         See `Plateaus.table`.
     """
+    return list_intervals(merge_intervals(predicted))
+
+
+def list_intervals(intervals: pd.DataFrame) -> str:
+    """Return the Betti numbers of intervals as lines of text, in their order.
+
+    Parameters
+    ----------
+    intervals
+        See `merge_intervals`.
+    """
     return "\n".join(
         f"    {row.lower:.4f} < t <= {row.upper:.4f}: betti_0 = {row.betti_0}, "
         f"betti_1 = {row.betti_1}, betti_2 = {row.betti_2}"
-        for row in merge_intervals(predicted).itertuples()
+        for row in intervals.itertuples()
     )
 
 
