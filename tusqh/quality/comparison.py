@@ -54,6 +54,7 @@ def compare_with_geometry(
     checks
         The check of the volume, and those of the others that do not hold.
     """
+    geometry = reference.geometry or geometry
     size = fractions.grid.cell_size
     checks = [_volume(resolved, reference, geometry, size, tolerance)]
     checks += _small_components(resolved.cells, fractions)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from tusqh.sampling.closing import close
 from tusqh.sampling.field import CrossingField
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.lattice import Box, Lattice
+from tusqh.sampling.orient import orient
 from tusqh.settings.sampling import Sampling
 
 #: About how many samples the finer lattice has, and the most along a side of a cell.
@@ -36,11 +37,14 @@ class Reference:
     ambiguity
         Where the volume depends on what counts as inside: samples with a winding number between
         1/4 and 3/4 over samples inside; 0 for closed surfaces.
+    geometry
+        The geometry with its parts turned as they were for sampling.
     """
 
     volume: float
     source: str
     ambiguity: float = 0.0
+    geometry: Geometry | None = field(default=None, repr=False, compare=False)
 
 
 def find_reference(
@@ -78,12 +82,13 @@ def find_reference(
     sampling = sampling or Sampling()
     if isinstance(geometry, Image):
         return Reference(max(fractions.volume(), 0.0), "the grey values of the image")
+    geometry = orient(geometry, sampling.orientation).geometry
     grid = fractions.grid
     samples = _samples_along(grid, fractions.samples)
     lattice = Lattice.over_grid(grid, samples, window).of_samples()
     cycle, cap = close(geometry)
-    field = CrossingField(cycle, cap, max(sampling.tolerance, 1e-4))
-    counted = _count(field, lattice)
+    winding = CrossingField(cycle, cap, max(sampling.tolerance, 1e-4))
+    counted = _count(winding, lattice)
     is_outside = sampling.domain == "outside"
     sign = -1 if counted.is_flipped(sampling) else 1
     what = "area" if grid.dim == 2 else "volume"
@@ -92,12 +97,12 @@ def find_reference(
         exact = sign * signed_volume(geometry)
         of_window = _volume_of_window(grid, window)
         volume = of_window - exact if is_outside else exact
-        return Reference(max(volume, 0.0), f"the exact {what}")
+        return Reference(max(volume, 0.0), f"the exact {what}", geometry=geometry)
     n_inside = counted.n_above if sign > 0 else counted.n_below
     if is_outside:
         n_inside = counted.n_samples - n_inside
     source = f"the {what} where the winding number is at least 1/2"
-    return Reference(n_inside * size, source, counted.n_between / max(n_inside, 1))
+    return Reference(n_inside * size, source, counted.n_between / max(n_inside, 1), geometry)
 
 
 def signed_volume(geometry: Surface) -> float:

@@ -29,7 +29,7 @@ def unreachable_target(predicted: pd.DataFrame, target: Target, name: str) -> To
         The model.
     """
     intervals = merge_intervals(predicted)
-    order = np.lexsort([-intervals["width"], distances(intervals, target)])
+    order = np.lexsort((-intervals["width"].to_numpy(), distances(intervals, target)))
     nearest = intervals.iloc[order[:NEAREST]]
     n_more = len(intervals) - len(nearest)
     more = f"\n    and {n_more} more intervals: `tusqh inspect --all` lists them" if n_more else ""
