@@ -7,9 +7,9 @@ import trimesh
 
 # A plate with a round and a square hole; the path of the square is left open on purpose.
 PLATE = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 80 40">
-  <path d="M 0 0 H 80 V 40 H 0 Z"/>
-  <path d="M 30 20 A 10 10 0 1 0 10 20 A 10 10 0 1 0 30 20 Z"/>
-  <path d="M 50 10 V 30 H 70 V 10 H 50.5"/>
+  <path d="M 0 0 H 80 V 40 H 0 Z
+    M 30 20 A 10 10 0 1 0 10 20 A 10 10 0 1 0 30 20 Z
+    M 50 10 V 30 H 70 V 10 H 50.5"/>
 </svg>
 """
 CONFIG = """models:

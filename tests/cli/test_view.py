@@ -10,8 +10,8 @@ from tusqh.cli.app import main
 
 # A square with a round hole, its border open in one place.
 PLATE = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 40 40">
-  <path d="M 0 0 H 40 V 40 H 0 V 0.5"/>
-  <path d="M 30 20 A 10 10 0 1 0 10 20 A 10 10 0 1 0 30 20 Z"/>
+  <path d="M 0 0 H 40 V 40 H 0 V 0.5
+    M 30 20 A 10 10 0 1 0 10 20 A 10 10 0 1 0 30 20 Z"/>
 </svg>
 """
 
