@@ -31,6 +31,7 @@ OTHERS = {
     "tiff_pages",
     "tiff_sizes",
     "voxels",
+    "vtk_legacy",
 }
 OTHERS |= {"loose", "paint", "polygons_of_maps", "rings"}
 OTHERS |= {"svg_frame", "svg_shapes", "svg_style", "svg_tree"}

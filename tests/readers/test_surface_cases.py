@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import pyvista
 
 from tusqh.errors import GeometryError
 from tusqh.geometry.soup_facts import SoupFacts
@@ -39,6 +40,10 @@ READ = {
     "19_stl_endings/s18_end_solid.stl": L_SOLID,
     "19_stl_endings/s21_longname.stl": L_SOLID,
     "20_stl_quad_facets/s24_quadfacets.stl": L_SOLID,
+    "23_vtu_cells_and_boundary/z_hex_alone.vtu": (1.0, ((-0.5, 0, 0), (0.866025, 1.366025, 1))),
+    "23_vtu_cells_and_boundary/z_hex_and_quads.vtu": (
+        1.0, ((-0.5, 0, 0), (0.866025, 1.366025, 1)),
+    ),
     "26_obj_whitespace/o10_comment_inline.obj": L_SOLID,
     "26_obj_whitespace/o20_tabs.obj": L_SOLID,
     "28_off/f12_concave.off": (7.0, ((0, 0, 0), (4, 4, 1))),
@@ -54,6 +59,9 @@ REFUSED = {
     "18_stl_byte_counts/s11_count_half.stl": "promises 30 triangles, the file holds 60",
     "19_stl_endings/s02_comma.stl": "decimal comma",
     "21_glb_parts_dropped/q10_draco_mix.glb": "KHR_draco_mesh_compression is required",
+    "24_vtk_cut_segfault/v28_cut10.vtk": "bytes, the file holds",
+    "24_vtk_cut_segfault/v28_cut100.vtk": "bytes, the file holds",
+    "24_vtk_cut_segfault/v28_cut300.vtk": "bytes, the file holds",
     "27_obj_zero_index/o25_zero_index.obj": "face 1 has the corner 0",
     "28_off/f15_binary.off": "binary OFF is not supported",
 }
@@ -203,3 +211,38 @@ def test_binary_ply_of_both_byte_orders_is_whole_or_refused(tmp_path, order, n_c
     volume, _, remarks = measure(path)
     assert volume == pytest.approx(1.0)
     assert "left out: 1 rows of `edge`" in remarks
+
+
+def vtk_files(folder):
+    """Write the cube in every form that pyvista writes, and return the files."""
+    surface = pyvista.Cube().triangulate().compute_normals(split_vertices=False)
+    grid = pyvista.ImageData(dimensions=(2, 2, 2)).cast_to_unstructured_grid()
+    grid.point_data["heat"] = np.arange(8.0)
+    grid.cell_data["label"] = [3]
+    for suffix in ("vtk", "vtp", "vtu"):
+        for is_binary in (True, False):
+            path = folder / f"{'binary' if is_binary else 'text'}.{suffix}"
+            (grid if suffix == "vtu" else surface).save(path, binary=is_binary)
+            yield path
+    for is_binary in (True, False):
+        path = folder / f"grid_{is_binary}.vtk"
+        grid.save(path, binary=is_binary)
+        yield path
+
+
+def test_files_of_vtk_are_read_whole_and_refused_at_every_cut(tmp_path):
+    paths = list(vtk_files(tmp_path))
+    assert len(paths) == 8
+    for path in paths:
+        assert measure(path)[0] == pytest.approx(1.0)
+        content = path.read_bytes()
+        for part in (0.3, 0.6, 0.8):
+            cut = tmp_path / f"cut{path.suffix}"
+            cut.write_bytes(content[: int(part * len(content))])
+            with pytest.raises(GeometryError):
+                read_file(cut)
+
+
+def test_boundary_elements_of_a_volume_mesh_are_named():
+    remarks = measure(CASES / "23_vtu_cells_and_boundary/z_hex_and_quads.vtu")[2]
+    assert "left out: 6 boundary elements of volume cells" in remarks

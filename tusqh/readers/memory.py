@@ -48,7 +48,7 @@ def read_object(
     if _is_of("trimesh", ("Trimesh", "Scene"), source):
         return _from_trimesh(source, name)
     if _is_of("pyvista", ("DataSet",), source):
-        return Soup.from_parts(surfaces_of_dataset(source, name=name), name=name)
+        return Soup.from_parts(surfaces_of_dataset(source, name=name)[0], name=name)
     if isinstance(source, (tuple, list)) and len(source) == 2:
         points, corners = source
         return _from_arrays(points, corners, name=name)

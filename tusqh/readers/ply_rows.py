@@ -64,6 +64,31 @@ def read_rows(header: Header, body: bytes, path: Path) -> tuple[dict[str, Column
     return columns, len(body) - place
 
 
+def count_lists(values: FloatArray, n_lists: int) -> tuple[int, int]:
+    """Return how many lists are whole, each after its number of entries, and where they end.
+
+    Parameters
+    ----------
+    values
+        Counts and entries, shape (n,).
+    n_lists
+        How many lists there should be.
+
+    Returns
+    -------
+    n_whole, end : int
+        Number of whole lists, and the place after the last one.
+
+    Examples
+    --------
+    >>> count_lists(np.array([2.0, 7, 8, 1, 9]), 2)
+    (2, 5)
+    """
+    is_list = np.ones(1, dtype=np.bool_)
+    _, _, end, n_whole = _walk_words(values, 0, min(n_lists, len(values)), is_list)
+    return int(n_whole), int(end)
+
+
 def _from_words(
     element: Element, values: FloatArray, place: int, path: Path
 ) -> tuple[Columns, int]:

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import pyvista
 
 from tusqh.geometry.soup import Soup
+from tusqh.readers.polygon_faces import damaged
 from tusqh.readers.reading import Reading
 from tusqh.readers.surfaces import surfaces_of_dataset
+from tusqh.readers.vtk_legacy import check_legacy
+
+#: Bytes at the end of a file among which its last tag is.
+_TAIL = 4096
 
 
 def read(path: Path) -> Reading:
@@ -27,8 +33,23 @@ def read(path: Path) -> Reading:
     Raises
     ------
     GeometryError
-        The soup is empty, without extent or not finite.
+        The file is cut off or damaged, or the soup is empty, without extent or not finite.
     """
-    return Reading(
-        Soup.from_parts(surfaces_of_dataset(pyvista.read(path), name=str(path)), name=path.name)
-    )
+    if path.suffix.lower() == ".vtk":
+        check_legacy(path)
+    elif b"</VTKFile>" not in path.read_bytes()[-_TAIL:]:
+        raise damaged(
+            path, "the file ends before `</VTKFile>`", expected="a complete VTK file in XML"
+        )
+    with warnings.catch_warnings(), pyvista.VtkErrorCatcher() as catcher:
+        warnings.simplefilter("ignore")
+        dataset = pyvista.read(path)
+    if catcher.error_events:
+        found = str(catcher.error_events[0].alert).strip().splitlines()
+        raise damaged(
+            path,
+            f"VTK reports: {found[-1] if found else 'an error'}",
+            expected="a complete VTK file",
+        )
+    parts, remarks = surfaces_of_dataset(dataset, name=str(path))
+    return Reading(Soup.from_parts(parts, name=path.name), tuple(remarks))

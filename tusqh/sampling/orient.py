@@ -54,7 +54,8 @@ def orient(geometry: Surface, orientation: Orientation) -> Oriented:
     """
     if not isinstance(geometry, Soup):
         return Oriented(geometry)
-    parts = find_parts(geometry)
+    with np.errstate(over="ignore", invalid="ignore"):  # Sampling explains extreme coordinates.
+        parts = find_parts(geometry)
     if len(parts.volumes) == 0:
         return Oriented(geometry)
     is_turned, is_cavity = _turned_parts(geometry, parts)
