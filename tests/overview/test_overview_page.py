@@ -52,7 +52,7 @@ def write_model(folder: Path, name: str, *, holds: bool = True, n_rows: int = 3)
         "mesh": {"file": "mesh.vtu", "sha256": "a" * 64},
     }
     facts = {"dimension": 3, "elements": 12345, "grid": "4x4x4", "pinches": 7}
-    facts |= {"volume": 3.0, "winding_volume": 4.0}
+    facts |= {"volume": 3.0, "reference_volume": 4.0, "reference_source": "the exact volume"}
     (folder / "certificate.json").write_text(json.dumps(certificate))
     (folder / "facts.json").write_text(json.dumps(facts))
     geometry = folder / "<b>'&.stl"

@@ -13,7 +13,7 @@ import pandas as pd
 from tusqh.files import path_of
 from tusqh.geometry.packaged import locate
 from tusqh.hashing import hash_file
-from tusqh.quality.verdict import overall
+from tusqh.quality.verdict import compare_volumes, overall
 
 #: Columns of the register that say where a geometry comes from.
 _ORIGIN = ("origin", "licence", "url", "known_defects")
@@ -119,8 +119,8 @@ def read_model(
         + chosen["reason"],
         "measured": f"Betti numbers {tuple(measured)}",
         "mesh": f"{facts['elements']:,} {kind} of {facts['grid']} cells, "
-        f"{facts['pinches']:,} pinch{'' if facts['pinches'] == 1 else 'es'}, volume "
-        f"{facts['volume'] / facts['reference_volume']:.4f} of {facts['reference_source']}",
+        f"{facts['pinches']:,} pinch{'' if facts['pinches'] == 1 else 'es'}, "
+        f"volume {compare_volumes(facts)}",
         "verdict": overall(verdict),
         "every threshold": f"{n_holding} of {len(verification)} as predicted",
     }

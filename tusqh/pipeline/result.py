@@ -21,6 +21,7 @@ from tusqh.pipeline.ingest import describe_geometry
 from tusqh.pipeline.judge import Judgement
 from tusqh.pipeline.persistence import Persistence
 from tusqh.pipeline.select import Choice
+from tusqh.quality.verdict import compare_volumes
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.io import save_fractions
 from tusqh.settings.model import Settings
@@ -108,7 +109,7 @@ class Report:
             + ("as predicted" if self.is_met else "NOT as predicted"),
             "mesh": f"{facts['elements']:,} {'hexes' if facts['dimension'] == 3 else 'quads'} of "
             f"{facts['grid']} cells, {count_pinches(facts['pinches'])} resolved, "
-            f"volume {self._volume()}",
+            f"volume {compare_volumes(facts)}",
             "verdict": str(Judgement(self.elements, self.verdict)),
         } | self._warnings()
 
@@ -120,14 +121,6 @@ class Report:
             f"{row.remedy}"
             for k, row in enumerate(rows.itertuples(index=False), start=1)
         }
-
-    def _volume(self) -> str:
-        """Return the volume of the mesh in words, compared with that of the geometry."""
-        facts = self.facts
-        volume = facts["volume"]
-        if not facts.get("reference_volume"):
-            return f"{volume:.6g}"
-        return f"{volume / facts['reference_volume']:.4f} of {facts['reference_source']}"
 
     def __str__(self) -> str:
         """Return the report as text."""

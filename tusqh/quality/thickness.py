@@ -67,7 +67,7 @@ def measure_thickness(geometry: Geometry, *, seed: int = 0) -> Thickness | None:
     --------
     >>> plate = np.array([[0.0, 0], [10, 0], [10, 1], [0, 1], [0, 0]])
     >>> thickness = measure_thickness(Outline.from_chains([plate]))
-    >>> bool(thickness.share_below(1.1) > 0.8), thickness.resolving
+    >>> bool(thickness.share_below(1.1) > 0.8), round(thickness.resolving, 9)
     (True, 0.5)
     """
     if isinstance(geometry, Outline):

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import pandas as pd
 
@@ -120,6 +121,26 @@ def overall(checks: pd.DataFrame) -> str:
     if len(warned):
         return f"suitable with warnings: {'; '.join(map(str, warned))}{not_run}"
     return f"suitable{not_run}"
+
+
+def compare_volumes(facts: Mapping[str, Any]) -> str:
+    """Return the volume of a mesh in words, as a part of that of the geometry where it is known.
+
+    Parameters
+    ----------
+    facts
+        See `tusqh.pipeline.build.Built.facts`.
+
+    Examples
+    --------
+    >>> compare_volumes({"volume": 3.0, "reference_volume": 4.0, "reference_source": "the volume"})
+    '0.7500 of the volume'
+    >>> compare_volumes({"volume": 3.0, "reference_volume": 0.0})
+    '3'
+    """
+    if not facts.get("reference_volume"):
+        return f"{facts['volume']:.6g}"
+    return f"{facts['volume'] / facts['reference_volume']:.4f} of {facts['reference_source']}"
 
 
 def _vtk_jacobian(metrics: pd.DataFrame | None, scheme: Scheme, dim: int) -> Check:
