@@ -42,11 +42,14 @@ def inspect(
 
     * `tusqh inspect bay.geojson --domain outside --cells 60,79 --all`
     """
-    from tusqh.pipeline.ingest import describe_geometry, ingest
+    from tusqh.pipeline.ingest import describe_geometry, read_source
     from tusqh.pipeline.sample import sample
     from tusqh.pipeline.select import find_plateaus
 
-    found = ingest(geometry, image=settings.image.to_dict())
+    reading = read_source(geometry, image=settings.image.to_dict())
+    found = reading.geometry
+    for remark in reading.remarks:
+        typer.echo(str(remark))
     show(describe_geometry(found), title=f"Defects of {found.name}")
     if defects_only:
         return

@@ -14,6 +14,7 @@ from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.packaged import locate
 from tusqh.readers.files import read_file
 from tusqh.readers.memory import read_object
+from tusqh.readers.reading import Reading
 from tusqh.sampling.describe_winding import describe_winding
 
 
@@ -45,9 +46,32 @@ def ingest(
     >>> ingest(square).bounding_box()
     ((0.0, 0.0), (1.0, 1.0))
     """
+    return read_source(source, name=name, image=image).geometry
+
+
+def read_source(
+    source: Any, *, name: str = "geometry", image: Mapping[str, Any] | None = None
+) -> Reading:
+    """Return the geometry in a file or in memory, with remarks on what was left out or changed.
+
+    Parameters
+    ----------
+    source, name, image
+        As for `ingest`.
+
+    Returns
+    -------
+    Reading
+        The geometry, and the reader's remarks; a geometry from memory has none.
+
+    Raises
+    ------
+    GeometryError
+        The source is none of the kinds that `ingest` takes, or holds no valid geometry.
+    """
     if isinstance(source, (str, Path)):
-        return read_file(locate(str(source)), image=image).geometry
-    return read_object(source, name=name, image=image)
+        return read_file(locate(str(source)), image=image)
+    return Reading(read_object(source, name=name, image=image))
 
 
 def describe_geometry(geometry: Geometry) -> pd.DataFrame:

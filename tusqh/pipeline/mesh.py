@@ -7,14 +7,16 @@ from pathlib import Path
 from typing import Any, Literal
 
 from tusqh.errors import TopologyError
+from tusqh.geometry.image import Image
 from tusqh.pipeline.build import Built, build
-from tusqh.pipeline.ingest import ingest
+from tusqh.pipeline.ingest import read_source
 from tusqh.pipeline.judge import judge
 from tusqh.pipeline.persistence import find_persistence
 from tusqh.pipeline.result import Result
 from tusqh.pipeline.sample import sample
 from tusqh.pipeline.select import select
 from tusqh.progress import Progress, log_progress
+from tusqh.sampling.orient import orient
 from tusqh.sampling.reference import find_reference
 from tusqh.settings.arguments import arguments_of, explains_unknown_arguments, from_arguments
 from tusqh.settings.model import Settings
@@ -162,7 +164,8 @@ def run_stages(
     if name is None:
         name = Path(source).stem if isinstance(source, (str, Path)) else "model"
     progress("reading")
-    geometry = ingest(source, name=name, image=settings.image.to_dict())
+    reading = read_source(source, name=name, image=settings.image.to_dict())
+    geometry = reading.geometry
     fractions = sample(
         geometry,
         grid=settings.grid,
@@ -195,7 +198,10 @@ def run_stages(
         _require_volume(built)
     progress("quality")
     judgement = judge(built.mesh, choice.selection.predicted, comparison=built.comparison)
-    return Result(geometry, fractions, found, choice, built, judgement, settings)
+    remarks = reading.remarks
+    if not isinstance(geometry, Image):
+        remarks += orient(geometry, settings.sampling.orientation).remarks
+    return Result(geometry, fractions, found, choice, built, judgement, settings, remarks)
 
 
 def _require_volume(built: Built) -> None:

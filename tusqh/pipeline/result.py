@@ -22,6 +22,7 @@ from tusqh.pipeline.judge import Judgement
 from tusqh.pipeline.persistence import Persistence
 from tusqh.pipeline.select import Choice
 from tusqh.quality.verdict import compare_volumes
+from tusqh.readers.reading import Remark
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.io import save_fractions
 from tusqh.settings.model import Settings
@@ -64,6 +65,8 @@ class Report:
         Element metrics, summarised.
     verdict
         One row per check, see `tusqh.quality.verdict.to_table`.
+    remarks
+        What reading and orienting the geometry left out, changed or noted.
     """
 
     name: str
@@ -71,6 +74,7 @@ class Report:
     facts: dict[str, Any]
     elements: pd.DataFrame
     verdict: pd.DataFrame
+    remarks: tuple[Remark, ...] = ()
 
     @property
     def predicted(self) -> BettiNumbers:
@@ -111,7 +115,11 @@ class Report:
             f"{facts['grid']} cells, {count_pinches(facts['pinches'])} resolved, "
             f"volume {compare_volumes(facts)}",
             "verdict": str(Judgement(self.elements, self.verdict)),
-        } | self._warnings()
+        } | {**self._warnings(), **self._remarks()}
+
+    def _remarks(self) -> dict[str, str]:
+        """Return a line for each remark on the geometry."""
+        return {f"remark {k}": str(remark) for k, remark in enumerate(self.remarks, start=1)}
 
     def _warnings(self) -> dict[str, str]:
         """Return a line for each warning: what was found, and the remedy."""
@@ -147,6 +155,8 @@ class Result:
         Every check of the mesh.
     settings
         The settings, as in a model's block of the configuration without its `geometry`.
+    remarks
+        What reading and orienting the geometry left out, changed or noted.
     """
 
     geometry: Geometry
@@ -156,6 +166,7 @@ class Result:
     built: Built
     judgement: Judgement
     settings: Settings
+    remarks: tuple[Remark, ...] = ()
 
     @property
     def name(self) -> str:
@@ -200,7 +211,9 @@ class Result:
         """What was asked for, predicted, chosen and measured, and the verdict."""
         judged = self.judgement
         facts = self.built.facts
-        return Report(self.name, self.selection, facts, judged.elements, judged.verdict)
+        return Report(
+            self.name, self.selection, facts, judged.elements, judged.verdict, self.remarks
+        )
 
     def write(self, path: Path | str) -> None:
         """Write the mesh in the format of the suffix: .vtu, .mesh, .msh, .exo or .inp.

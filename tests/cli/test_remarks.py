@@ -1,0 +1,50 @@
+"""What a reader left out or changed is printed by `tusqh mesh` and `tusqh inspect`."""
+
+import json
+import sys
+
+import pytest
+
+from tusqh.cli.app import main
+
+LINE_LEFT_OUT = "left out: 1 lines beside polygons"
+
+
+@pytest.fixture
+def run(tmp_path, capfd, monkeypatch):
+    """Run `tusqh` in a folder of its own; return its output with single spaces."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("tusqh.cli.app.catch_signals", lambda: None)
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["tusqh", *map(str, arguments)])
+        with pytest.raises(SystemExit):
+            main()
+        return " ".join(capfd.readouterr().out.split())
+
+    return run
+
+
+@pytest.fixture
+def road_loop(repository):
+    return next((repository / "tests/cases").glob("*/road_loop.geojson"))
+
+
+def test_mesh_prints_what_the_reader_left_out(run, road_loop):
+    assert f"remark 1 {LINE_LEFT_OUT}" in run("mesh", road_loop, "--cells", 12, "-o", "x.vtu")
+
+
+def test_the_json_report_has_the_remarks(run, road_loop):
+    text = run("mesh", road_loop, "--cells", 12, "-o", "x.vtu", "--json")
+    assert json.loads(text)["remarks"][0].startswith(LINE_LEFT_OUT)
+
+
+def test_inspect_prints_what_the_reader_left_out(run, road_loop):
+    assert LINE_LEFT_OUT in run("inspect", road_loop, "--defects-only")
+
+
+def test_mesh_names_the_parts_that_it_turned(run, repository):
+    part = next((repository / "tests/cases").glob("*/u15_small_inverted.stl"))
+    assert "1 parts turned that point inwards: part 2" in run(
+        "mesh", part, "--cells", 20, "-o", "x.vtu"
+    )
