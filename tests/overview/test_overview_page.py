@@ -116,7 +116,7 @@ def test_what_it_shows(overview, tmp_path):
         "1 of 1 models",
         "Betti numbers (1, 2, 0)",
         "12,345 hexes of 4x4x4 cells",
-        "0.7500 of the winding-number volume",
+        "0.7500 of the exact volume",
         "suitable",
         "3 of 3 as predicted",
         "boundary_edges",
