@@ -1,6 +1,5 @@
 """Fingerprints of code: what reaches a step and what does not."""
 
-import re
 import subprocess
 import sys
 
@@ -91,13 +90,3 @@ print(*[m.__file__ for n, m in sys.modules.items() if n.split(".")[0] == "tusqh"
         labels = {path[len(str(repository)) + 1 :] for path in loaded}
         assert len(labels) > 10
         assert labels <= code_files(name, base=repository).keys()
-
-
-def test_every_rule_names_the_code_of_its_script(repository):
-    n_rules = 0
-    for path in sorted((repository / "workflow/rules").glob("*.smk")):
-        for block in re.split(r"(?m)^(?=\s*rule\b)", path.read_text()):
-            if script := re.search(r"scripts/(\w+)\.py", block):
-                n_rules += 1
-                assert f'code=code_of("{script[1]}"),' in block, f"{path.name}: {script[1]}"
-    assert n_rules > 20
