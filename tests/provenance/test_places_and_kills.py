@@ -118,7 +118,7 @@ def test_one_models_entry_reruns_that_models_steps(checkout):
     jobs = jobs_of(dry_run(checkout))
     assert ("select", "plate") in jobs
     assert {model for _, model in jobs} == {"plate", None}
-    assert not {("ingest", "plate"), ("sample", "plate"), ("sweep_2d", "plate")} & jobs
+    assert not {("ingest", "plate"), ("sample", "plate")} & jobs
 
 
 def test_a_figures_script_reruns_that_figure_and_what_shows_it(checkout):

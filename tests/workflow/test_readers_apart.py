@@ -35,7 +35,11 @@ def edit(path, old, new):
 
 def test_a_change_in_one_reader_reruns_the_models_in_its_format(checkout):
     assert planned(checkout) == set()
-    edit(checkout / "tusqh/readers/svg.py", "not <svg>", "but not <svg>")
+    edit(
+        checkout / "tusqh/readers/svg.py",
+        "elements without a fill read as lines",
+        "elements without fill read as lines",
+    )
     assert planned(checkout) == {("ingest", "plate"), ("sample", "plate")}
     edit(checkout / "tusqh/readers/stl.py", "a complete STL file", "an undamaged STL file")
     assert ("ingest", "ring") in planned(checkout)

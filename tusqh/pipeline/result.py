@@ -13,6 +13,7 @@ from tusqh.atomic import write_text
 from tusqh.files import path_of
 from tusqh.geometry.canonical import write_geometry
 from tusqh.geometry.kinds import Geometry
+from tusqh.geometry.remark import Remark
 from tusqh.hashing import canonical_json
 from tusqh.meshes.formats import write_mesh
 from tusqh.meshes.volume_mesh import VolumeMesh
@@ -22,7 +23,6 @@ from tusqh.pipeline.judge import Judgement
 from tusqh.pipeline.persistence import Persistence
 from tusqh.pipeline.select import Choice
 from tusqh.quality.verdict import compare_volumes
-from tusqh.readers.reading import Remark
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.io import save_fractions
 from tusqh.settings.model import Settings

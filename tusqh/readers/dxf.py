@@ -18,10 +18,11 @@ from ezdxf.filemanagement import readfile
 
 from tusqh.errors import GeometryError
 from tusqh.geometry.outline import Outline
+from tusqh.geometry.remark import Remark
 from tusqh.grid import FloatArray
 from tusqh.readers.curves import CHORD_TOLERANCE, flatten_curve
 from tusqh.readers.loose import join_loose
-from tusqh.readers.reading import Reading, Remark
+from tusqh.readers.reading import Reading
 
 #: A polyline's arc becomes a third as many Bezier curves: a millionth of its radius off at most.
 _ARC_SEGMENTS = 24

@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from tusqh.geometry.remark import Remark
 from tusqh.geometry.soup import Part, Soup
 from tusqh.grid import FloatArray, IntArray
 from tusqh.readers.gltf_file import GltfFile
 from tusqh.readers.polygon_faces import cut_polygons, cut_strips
-from tusqh.readers.reading import Reading, Remark
+from tusqh.readers.reading import Reading
 
 _INSTANCES, _DRACO = "EXT_mesh_gpu_instancing", "KHR_draco_mesh_compression"
 _SUPPORTED = {_INSTANCES, "KHR_mesh_quantization"}

@@ -15,8 +15,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from tusqh.geometry.remark import Remark
 from tusqh.grid import BoolArray, FloatArray, IntArray
-from tusqh.readers.reading import Remark
 from tusqh.readers.rings import (
     SLIP,
     crossing_area,

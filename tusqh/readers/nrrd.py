@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tusqh.errors import GeometryError
+from tusqh.geometry.remark import Remark
 from tusqh.grid import FloatArray
 from tusqh.readers.axes import take_space
-from tusqh.readers.reading import Reading, Remark
+from tusqh.readers.reading import Reading
 from tusqh.readers.voxels import image_of, remark_on_thin_axis
 from tusqh.settings.voxels import Voxels
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tusqh.geometry.remark import Remark
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.readers.polygon_faces import (
@@ -17,7 +18,7 @@ from tusqh.readers.polygon_faces import (
     remarks_of,
     without_byte_order_mark,
 )
-from tusqh.readers.reading import Reading, Remark
+from tusqh.readers.reading import Reading
 
 _STATEMENT = re.compile(rb"^[ \t]*([a-z]+)[ \t]+([^\n]*)", re.MULTILINE)
 _COUNT = re.compile(rb"^#\s*(Vertices|Faces):\s*(\d+)\s*$", re.MULTILINE)

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from tusqh.geometry.remark import Remark
 from tusqh.geometry.soup import Soup
 from tusqh.grid import FloatArray, IntArray
 from tusqh.readers.polygon_faces import (
@@ -19,7 +20,7 @@ from tusqh.readers.polygon_faces import (
     remarks_of,
     without_byte_order_mark,
 )
-from tusqh.readers.reading import Reading, Remark
+from tusqh.readers.reading import Reading
 
 _KEYWORD = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?OFF\b[ \t]*(BINARY)?")
 _EXPECTED = "text that begins with OFF, then the numbers of points, faces and edges"

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tusqh.geometry.remark import Remark
 from tusqh.geometry.soup import Soup
 from tusqh.grid import FloatArray, IntArray
 from tusqh.readers.ply_header import read_header
@@ -18,7 +19,7 @@ from tusqh.readers.polygon_faces import (
     remarks_of,
     without_byte_order_mark,
 )
-from tusqh.readers.reading import Reading, Remark
+from tusqh.readers.reading import Reading
 
 _USED = ("vertex", "face", "tristrips")
 _CORNERS = ("vertex_indices", "vertex_index")

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from tusqh.errors import GeometryError
+from tusqh.geometry.remark import Remark
 from tusqh.grid import FloatArray, IntArray
-from tusqh.readers.reading import Remark
 
 #: Longer words do not become an array, whose rows are all as long as the longest one.
 _LONGEST_NUMBER = 40

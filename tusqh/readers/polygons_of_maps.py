@@ -10,9 +10,10 @@ import numpy as np
 import shapely
 
 from tusqh.geometry.outline import Outline
+from tusqh.geometry.remark import Remark
 from tusqh.grid import FloatArray
 from tusqh.readers.loose import join_loose
-from tusqh.readers.reading import Reading, Remark
+from tusqh.readers.reading import Reading
 from tusqh.readers.rings import (
     SLIP,
     count_copies,

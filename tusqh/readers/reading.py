@@ -3,38 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 from tusqh.geometry.kinds import Geometry
-
-
-@dataclass(frozen=True)
-class Remark:
-    """Something a user must know about how a file was read.
-
-    Parameters
-    ----------
-    effect
-        "left out" for what is in the file and not in the geometry, "changed" for what is in the
-        geometry in another form, "noted" for what is read as it is but looks wrong.
-    what
-        The kind of thing, as a plural noun with its place where it has one: "text entities",
-        "triangles without area", "rings of feature 7".
-    count
-        How many there are.
-    remedy
-        What the user can do about it, empty where nothing needs to be done.
-    """
-
-    effect: Literal["left out", "changed", "noted"]
-    what: str
-    count: int
-    remedy: str = ""
-
-    def __str__(self) -> str:
-        """Return the remark as one line."""
-        line = f"{self.effect}: {self.count:,} {self.what}"
-        return f"{line} ({self.remedy})" if self.remedy else line
+from tusqh.geometry.remark import Remark
 
 
 @dataclass(frozen=True)

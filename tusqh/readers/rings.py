@@ -13,8 +13,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from tusqh.geometry.remark import Remark
 from tusqh.grid import BoolArray, FloatArray, IntArray
-from tusqh.readers.reading import Remark
 
 #: A ring that crosses itself stays as it is while the area that its winding number gets wrong is
 #: below this part of its area: a slip of the pen, not a shape.

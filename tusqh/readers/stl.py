@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tusqh.geometry.remark import Remark
 from tusqh.geometry.soup import Soup
 from tusqh.grid import FloatArray, IntArray
 from tusqh.readers.polygon_faces import (
@@ -21,7 +22,7 @@ from tusqh.readers.polygon_faces import (
     polygon_remarks,
     without_byte_order_mark,
 )
-from tusqh.readers.reading import Reading, Remark
+from tusqh.readers.reading import Reading
 
 _EXPECTED = "a complete STL file"
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

@@ -12,9 +12,9 @@ import numpy as np
 from tusqh.errors import GeometryError
 from tusqh.extras import require
 from tusqh.geometry.boundary_chain import match_points
+from tusqh.geometry.remark import Remark
 from tusqh.geometry.soup import Part
 from tusqh.grid import IntArray
-from tusqh.readers.reading import Remark
 
 #: Dimension of the cell types of VTK that have fixed shapes.
 _DIMENSIONS = {

@@ -11,11 +11,12 @@ import numpy as np
 import shapely
 
 from tusqh.geometry.outline import Outline
+from tusqh.geometry.remark import Remark
 from tusqh.grid import FloatArray
 from tusqh.readers.curves import CHORD_TOLERANCE
 from tusqh.readers.loose import join_loose
 from tusqh.readers.paint import paint, unite
-from tusqh.readers.reading import Reading, Remark
+from tusqh.readers.reading import Reading
 from tusqh.readers.rings import is_closed, settle
 from tusqh.readers.svg_shapes import flatten
 from tusqh.readers.svg_tree import Clip, Shape, Walk

@@ -10,8 +10,8 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
+from tusqh.geometry.remark import Remark
 from tusqh.grid import FloatArray
-from tusqh.readers.reading import Remark
 from tusqh.readers.svg_frame import Viewport, map_of_viewport, transform_of, viewport_of
 from tusqh.readers.svg_shapes import SHAPES, Subpath, subpaths_of
 from tusqh.readers.svg_style import references_in, rules_of, style_of, tag_of

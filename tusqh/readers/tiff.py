@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from tusqh.errors import GeometryError
 from tusqh.extras import require
+from tusqh.geometry.remark import Remark
 from tusqh.readers.axes import take_space
-from tusqh.readers.reading import Reading, Remark
+from tusqh.readers.reading import Reading
 from tusqh.readers.tiff_pages import check_data, count_pages
 from tusqh.readers.tiff_sizes import voxel_sides
 from tusqh.readers.voxels import image_of, remark_on_thin_axis

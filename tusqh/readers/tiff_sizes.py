@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ET
 from typing import Any
 
 from tusqh.errors import GeometryError
-from tusqh.readers.reading import Remark
+from tusqh.geometry.remark import Remark
 
 #: Lengths of units in metres, as OME writes them.
 _METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "um": 1e-6, "nm": 1e-9, "pm": 1e-12}

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from tusqh.errors import GeometryError
 from tusqh.geometry.image import Image
+from tusqh.geometry.remark import Remark
 from tusqh.readers import labels
-from tusqh.readers.reading import Reading, Remark
+from tusqh.readers.reading import Reading
 from tusqh.settings.voxels import Voxels
 
 #: Voxels whose side lengths differ by at most this, relatively, count as cubes.

@@ -58,6 +58,7 @@ def wind_on_lattice(field: WindingField, lattice: Lattice) -> FloatArray:
     --------
     A tetrahedron without its base is open: inside, its winding number is less than one.
 
+    >>> from tusqh.geometry.soup import Soup
     >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     >>> faces = np.array([[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 2, 1]])
     >>> zero, ones = np.zeros(3, dtype=np.int64), np.ones(3, dtype=np.int64)

@@ -15,9 +15,9 @@ import numpy as np
 
 from tusqh.geometry.connected_parts import ConnectedParts, find_parts
 from tusqh.geometry.kinds import Surface
+from tusqh.geometry.remark import Remark
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BoolArray, FloatArray, IntArray
-from tusqh.readers.reading import Remark
 from tusqh.settings.sampling import Orientation
 
 #: Volume of a part over that of a ball of the same area, below which its sign means nothing.

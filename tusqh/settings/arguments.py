@@ -112,7 +112,7 @@ def options_of(section: type[Section]) -> list[Argument]:
     --------
     >>> from tusqh.settings.voxels import Voxels
     >>> [argument.option for argument in options_of(Voxels)]
-    ['--voxel-size', '--empty', '--full']
+    ['--voxel-size', '--empty', '--full', '--labels', '--channel']
     """
     return list(_arguments(section, lambda entry: not entry.setting.argument))
 
