@@ -98,7 +98,7 @@ def _volume(
             remedy = _describe_thin(thin, size)
     features = resolved.cells.features
     is_component = features["feature"] == "component"
-    given_up = features["volume"].where(is_component, -features["volume"]).sum()
+    given_up = float(features["volume"].where(is_component, -features["volume"]).sum())
     if len(features) and error > tolerance:
         remedy = f"{len(features):,} features were removed or filled as requested; else {remedy}"
     return Check(
