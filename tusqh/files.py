@@ -93,6 +93,11 @@ _AT = "{0}_at {0}_i {0}_j {0}_k {0}_x {0}_y {0}_z"
 _GEOMETRY_TO_SELECTION = (
     ResultFile("geometry", "geometry.vtp", "the geometry as it was read, without any repair"),
     ResultFile(
+        "reading",
+        "reading.json",
+        "what was read from the file: counts, bounding box, unit, and what was left out or changed",
+    ),
+    ResultFile(
         "defects",
         "defects.csv",
         "the defects of the geometry, counted and measured",

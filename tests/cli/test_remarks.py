@@ -1,9 +1,10 @@
-"""What a reader left out or changed is printed by `tusqh mesh` and `tusqh inspect`."""
+"""What was read, left out or changed is printed by `tusqh mesh` and `tusqh inspect`."""
 
 import json
 import sys
 
 import pytest
+import trimesh
 
 from tusqh.cli.app import main
 
@@ -48,3 +49,35 @@ def test_mesh_names_the_parts_that_it_turned(run, repository):
     assert "1 parts turned that point inwards: part 2" in run(
         "mesh", part, "--cells", 20, "-o", "x.vtu"
     )
+
+
+@pytest.fixture
+def bar(tmp_path):
+    """A box of 1 x 2 x 3, as text STL."""
+    path = tmp_path / "bar.stl"
+    trimesh.creation.box((1, 2, 3)).apply_translation((0.5, 1, 1.5)).export(
+        path, file_type="stl_ascii"
+    )
+    return path
+
+
+READ = "read STL: 1 part, 12 triangles, 8 points, closed"
+BOX, UNIT = "box (0, 0, 0) to (1, 2, 3)", "unit not stated"
+
+
+def test_mesh_says_in_three_lines_what_was_read(run, bar):
+    text = run("mesh", bar, "--cells", 6, "-o", "x.vtu")
+    assert text.startswith(f"{READ} {BOX} {UNIT} wanted")
+
+
+def test_inspect_says_the_same(run, bar):
+    assert run("inspect", bar, "--defects-only").startswith(f"{READ} {BOX} {UNIT} Defects")
+
+
+def test_what_was_read_is_saved_beside_the_mesh(run, road_loop, tmp_path):
+    run("mesh", road_loop, "--cells", 12, "-o", "x.vtu", "--results", "all")
+    stored = json.loads((tmp_path / "all/reading.json").read_text())
+    assert stored["format"] == "GeoJSON"
+    assert stored["closed"] is True
+    assert stored["remarks"][0]["count"] == 1
+    assert stored["counts"]["open_ends"] == 0

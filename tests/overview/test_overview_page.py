@@ -53,6 +53,11 @@ def write_model(folder: Path, name: str, *, holds: bool = True, n_rows: int = 3)
     }
     facts = {"dimension": 3, "elements": 12345, "grid": "4x4x4", "pinches": 7}
     facts |= {"volume": 3.0, "reference_volume": 4.0, "reference_source": "the exact volume"}
+    reading = {"kind": "surface", "format": "STL", "closed": False, "box": [[0, 0, 0], [1, 2, 3]]}
+    reading |= {"counts": {"parts": 1, "triangles": 9, "points": 7, "boundary_edges": 9}}
+    reading |= {"unit": {"name": NASTY, "source": "file"}}
+    reading |= {"remarks": [{"effect": "left out", "what": NASTY, "count": 2, "remedy": NASTY}]}
+    (folder / "reading.json").write_text(json.dumps(reading))
     (folder / "certificate.json").write_text(json.dumps(certificate))
     (folder / "facts.json").write_text(json.dumps(facts))
     geometry = folder / "<b>'&.stl"

@@ -108,6 +108,6 @@ def test_the_page_on_inputs_has_every_format_and_names_tests_that_exist(reposito
     named |= {"VTK": "VTK, VTU, VTP"}
     missing = {named.get(found.name, found.name) for found in FORMATS} - rows
     assert not missing
-    tests = "".join(path.read_text() for path in (repository / "tests/readers").glob("*.py"))
+    tests = "".join(path.read_text() for path in (repository / "tests").rglob("test_*.py"))
     for name in re.findall(r"`(test_\w+)`", page):
         assert f"def {name}(" in tests, name

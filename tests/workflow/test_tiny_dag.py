@@ -36,6 +36,9 @@ def test_the_mesh_has_the_wanted_topology(built):
     defects = pd.read_csv(built / "results/plate/defects.csv").set_index("defect")["count"]
     assert defects["open_chains"] == 1
     assert defects["open_ends"] == 2
+    reading = json.loads((built / "results/plate/reading.json").read_text())
+    assert (reading["format"], reading["closed"]) == ("SVG", False)
+    assert reading["counts"]["open_ends"] == 2
 
 
 def test_the_certificate_is_beside_the_mesh_and_holds(built):

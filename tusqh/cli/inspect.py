@@ -42,12 +42,15 @@ def inspect(
 
     * `tusqh inspect bay.geojson --domain outside --cells 60,79 --all`
     """
+    from tusqh.pipeline.describe_reading import describe_reading, lines_of_reading
     from tusqh.pipeline.ingest import describe_geometry, read_source
     from tusqh.pipeline.sample import sample
     from tusqh.pipeline.select import find_plateaus
 
     reading = read_source(geometry, image=settings.image.to_dict())
     found = reading.geometry
+    for title, text in lines_of_reading(describe_reading(reading)).items():
+        typer.echo(f"{title:<5} {text}")
     for remark in reading.remarks:
         typer.echo(str(remark))
     show(describe_geometry(found), title=f"Defects of {found.name}")

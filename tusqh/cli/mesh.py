@@ -133,6 +133,7 @@ def _to_plain(report: Report) -> dict[str, Any]:
         "met": report.is_met,
         "suitable": report.is_suitable,
         "warnings": report.has_warnings,
+        "read": report.reading,
         "remarks": [str(remark) for remark in report.remarks],
         "mesh": report.facts,
         "checks": report.verdict.to_dict("records"),

@@ -12,14 +12,16 @@ import pandas as pd
 
 from tusqh.files import path_of
 from tusqh.geometry.packaged import locate
+from tusqh.geometry.remark import Remark
 from tusqh.hashing import hash_file
+from tusqh.pipeline.describe_reading import lines_of_reading
 from tusqh.quality.verdict import compare_volumes, overall
 
 #: Columns of the register that say where a geometry comes from.
 _ORIGIN = ("origin", "licence", "url", "known_defects")
 
 #: Files of a model that the overview reads, by their names in `tusqh.files`.
-FILES_READ = ("certificate", "facts", "defects", "candidates", "verdict", "verification")
+FILES_READ = ("certificate", "facts", "reading", "defects", "candidates", "verdict", "verification")
 
 #: Titles of the files of a model that the overview links to, by their names in `tusqh.files`.
 LINK_TITLES = {
@@ -104,7 +106,8 @@ def read_model(
     """
     certificate = json.loads(path_of("certificate", folder).read_text("utf-8"))
     facts = json.loads(path_of("facts", folder).read_text("utf-8"))
-    tables = {name: pd.read_csv(path_of(name, folder)) for name in FILES_READ[2:]}
+    reading = json.loads(path_of("reading", folder).read_text("utf-8"))
+    tables = {name: pd.read_csv(path_of(name, folder)) for name in FILES_READ[3:]}
     verdict, verification = tables["verdict"], tables["verification"]
     if links is None:
         links = {title: path_of(name, folder) for name, title in LINK_TITLES.items()}
@@ -112,7 +115,7 @@ def read_model(
     n_holding = int(verification["holds"].sum())
     is_suitable = not (verdict["holds"] == "no").any()
     kind = "hexes" if facts["dimension"] == 3 else "quads"
-    lines = {
+    lines = _describe_reading(reading) | {
         "wanted": chosen["wanted"],
         "predicted": f"Betti numbers {tuple(certificate['predicted']['effective'])}",
         "threshold": f"{chosen['threshold']:.6g}, holds within ±{chosen['margin']:.3g}: "
@@ -138,6 +141,12 @@ def read_model(
         figures=figures,
         links=links,
     )
+
+
+def _describe_reading(reading: dict[str, Any]) -> dict[str, str]:
+    """Return what was read from the file, and the remarks on it."""
+    remarks = "; ".join(str(Remark(**remark)) for remark in reading["remarks"])
+    return lines_of_reading(reading) | ({"remarks": remarks} if remarks else {})
 
 
 def _describe_source(

@@ -9,6 +9,7 @@ from typing import Any, Literal
 from tusqh.errors import TopologyError
 from tusqh.geometry.image import Image
 from tusqh.pipeline.build import Built, build
+from tusqh.pipeline.describe_reading import describe_reading
 from tusqh.pipeline.ingest import read_source
 from tusqh.pipeline.judge import judge
 from tusqh.pipeline.persistence import find_persistence
@@ -201,7 +202,8 @@ def run_stages(
     remarks = reading.remarks
     if not isinstance(geometry, Image):
         remarks += orient(geometry, settings.sampling.orientation).remarks
-    return Result(geometry, fractions, found, choice, built, judgement, settings, remarks)
+    read = describe_reading(reading)
+    return Result(geometry, fractions, found, choice, built, judgement, settings, read, remarks)
 
 
 def _require_volume(built: Built) -> None:

@@ -18,6 +18,7 @@ from tusqh.hashing import canonical_json
 from tusqh.meshes.formats import write_mesh
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.build import Built
+from tusqh.pipeline.describe_reading import lines_of_reading
 from tusqh.pipeline.ingest import describe_geometry
 from tusqh.pipeline.judge import Judgement
 from tusqh.pipeline.persistence import Persistence
@@ -65,6 +66,8 @@ class Report:
         Element metrics, summarised.
     verdict
         One row per check, see `tusqh.quality.verdict.to_table`.
+    reading
+        What was read, see `tusqh.pipeline.describe_reading.describe_reading`.
     remarks
         What reading and orienting the geometry left out, changed or noted.
     """
@@ -74,6 +77,7 @@ class Report:
     facts: dict[str, Any]
     elements: pd.DataFrame
     verdict: pd.DataFrame
+    reading: dict[str, Any]
     remarks: tuple[Remark, ...] = ()
 
     @property
@@ -104,7 +108,7 @@ class Report:
     def lines(self) -> dict[str, str]:
         """Return the report in a few lines, each with its title."""
         chosen, facts = self.selection, self.facts
-        return {
+        of_mesh = {
             "wanted": chosen.wanted,
             "predicted": f"Betti numbers {self.predicted}",
             "threshold": f"{chosen.threshold:.6g}, holds within +-{chosen.margin:.3g}; "
@@ -115,7 +119,8 @@ class Report:
             f"{facts['grid']} cells, {count_pinches(facts['pinches'])} resolved, "
             f"volume {compare_volumes(facts)}",
             "verdict": str(Judgement(self.elements, self.verdict)),
-        } | {**self._warnings(), **self._remarks()}
+        }
+        return lines_of_reading(self.reading) | of_mesh | self._warnings() | self._remarks()
 
     def _remarks(self) -> dict[str, str]:
         """Return a line for each remark on the geometry."""
@@ -155,6 +160,8 @@ class Result:
         Every check of the mesh.
     settings
         The settings, as in a model's block of the configuration without its `geometry`.
+    reading
+        What was read, see `tusqh.pipeline.describe_reading.describe_reading`.
     remarks
         What reading and orienting the geometry left out, changed or noted.
     """
@@ -166,6 +173,7 @@ class Result:
     built: Built
     judgement: Judgement
     settings: Settings
+    reading: dict[str, Any]
     remarks: tuple[Remark, ...] = ()
 
     @property
@@ -210,9 +218,14 @@ class Result:
     def report(self) -> Report:
         """What was asked for, predicted, chosen and measured, and the verdict."""
         judged = self.judgement
-        facts = self.built.facts
         return Report(
-            self.name, self.selection, facts, judged.elements, judged.verdict, self.remarks
+            self.name,
+            self.selection,
+            self.built.facts,
+            judged.elements,
+            judged.verdict,
+            self.reading,
+            self.remarks,
         )
 
     def write(self, path: Path | str) -> None:
@@ -259,6 +272,7 @@ class Result:
         }
         for name, table in tables.items():
             write_csv(path_of(name, folder), table)
+        write_text(path_of("reading", folder), canonical_json(self.reading))
         write_text(path_of("selection", folder), canonical_json(self.selection.to_dict()))
         written = ("fractions", "mesh", "certificate", "features", "bridges", "facts")
         self.built.write(**{name: path_of(name, folder) for name in written})

@@ -7,12 +7,14 @@ those of the even-odd rule, see `tusqh.readers.loose`.
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import ezdxf.path
+import ezdxf.units
 import numpy as np
 from ezdxf.filemanagement import readfile
 
@@ -26,6 +28,10 @@ from tusqh.readers.reading import Reading
 
 #: A polyline's arc becomes a third as many Bezier curves: a millionth of its radius off at most.
 _ARC_SEGMENTS = 24
+
+#: The unit of the drawing, in the header among the first bytes of the file.
+_UNITS = re.compile(rb"\$INSUNITS\s+70\s+(\d{1,2})\b")
+_HEADER = 1 << 18
 
 _POLYLINES = ("LWPOLYLINE", "POLYLINE")
 _CURVES = ("ARC", "CIRCLE", "ELLIPSE", "SPLINE")
@@ -79,7 +85,15 @@ def read(path: Path) -> Reading:
     chains = [_chain_of(entity, tolerance or 1.0) for entity in entities]
     joined, of_chains = join_loose(chains)
     remarks += [*_on_heights(entities), *of_chains]
-    return Reading(Outline.from_chains(joined, name=path.name), tuple(remarks))
+    outline = Outline.from_chains(joined, name=path.name)
+    return Reading(outline, tuple(remarks), unit=_unit_in(path))
+
+
+def _unit_in(path: Path) -> str:
+    """Return the unit of length in the header; ezdxf takes metres where there is none."""
+    with path.open("rb") as file:
+        stated = _UNITS.search(file.read(_HEADER))
+    return (ezdxf.units.decode(int(stated[1])) or "") if stated else ""
 
 
 def _tolerance_of(entities: list[Any]) -> float:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from tusqh.errors import GeometryError, TusqhError
 from tusqh.extras import require
@@ -67,7 +68,9 @@ def read_file(path: Path, *, image: Mapping[str, Any] | None = None) -> Reading:
             expected=f"a well-formed {path.suffix.lower()} file",
             remedy="open it in the program that wrote it and export it again",
         ) from error
-    return reading
+    unit = reading.unit or found.unit
+    source: Literal["file", "format", "none"] = "file" if reading.unit else "format"
+    return replace(reading, format=found.name, unit=unit, unit_source=source if unit else "none")
 
 
 def _check_options(path: Path, image: Mapping[str, Any], *, is_image: bool) -> None:

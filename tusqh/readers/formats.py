@@ -27,6 +27,8 @@ class Format:
         The optional library that the module imports, None where the core suffices.
     extra
         The extra of tusqh that installs this library.
+    unit
+        The unit of length that the format fixes, empty where files may state one or none.
     """
 
     name: str
@@ -35,6 +37,7 @@ class Format:
     module: str
     library: str | None = None
     extra: str | None = None
+    unit: str = ""
 
 
 # fmt: off
@@ -49,7 +52,7 @@ FORMATS = (
     Format("OBJ", (".obj",), "surface", "obj"),
     Format("PLY", (".ply",), "surface", "ply"),
     Format("OFF", (".off",), "surface", "off"),
-    Format("glTF", (".glb", ".gltf"), "surface", "gltf"),
+    Format("glTF", (".glb", ".gltf"), "surface", "gltf", unit="m"),
     Format("VTK", (".vtk", ".vtu", ".vtp"), "surface", "vtk", "pyvista", "formats"),
     Format("NumPy array", (".npy",), "image", "npy"),
     Format("TIFF stack", (".tif", ".tiff"), "image", "tiff", "tifffile", "formats"),

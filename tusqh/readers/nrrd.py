@@ -66,7 +66,8 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
         meaning=meaning,
         sides=np.abs(frame.steps)[order].tolist(),
         origin=_lowest_corner(frame, voxels.shape),
-        remarks=[*_remark_on_units(header), *remarks],
+        unit=_unit_in(header),
+        remarks=remarks,
     )
 
 
@@ -153,14 +154,11 @@ def _lowest_corner(frame: _Frame, shape: tuple[int, ...]) -> list[float]:
     return corner
 
 
-def _remark_on_units(header: dict[str, Any]) -> list[Remark]:
-    """Return a remark on the unit of length that the header gives."""
+def _unit_in(header: dict[str, Any]) -> str:
+    """Return the unit of length that the header gives; several are joined by commas."""
     units = header.get("space units", header.get("units", []))
-    named = sorted({str(unit) for unit in units if unit is not None and str(unit).strip(' "')})
-    if not named or named == ["nan"]:
-        return []
-    what = f"unit of length in the file: {', '.join(named)}"
-    return [Remark("noted", what, len(named), "give it as the `unit` of the model")]
+    named = sorted({str(unit).strip(' "') for unit in units if unit is not None})
+    return ", ".join(name for name in named if name not in ("", "nan"))
 
 
 def _remark_on_last_number(path: Path, header: dict[str, Any]) -> list[Remark]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.remark import Remark
@@ -18,7 +19,16 @@ class Reading:
         The geometry, without any repair.
     remarks
         What was left out, changed or noted, in the order of the file.
+    unit
+        Unit of length that the file states, or that its format fixes; empty where there is none.
+    unit_source
+        Which of the two: "file", "format" or, where there is none, "none".
+    format
+        Name of the format, see `tusqh.readers.formats.FORMATS`.
     """
 
     geometry: Geometry
     remarks: tuple[Remark, ...] = ()
+    unit: str = ""
+    unit_source: Literal["file", "format", "none"] = "none"
+    format: str = "memory"

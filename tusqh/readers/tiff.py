@@ -57,10 +57,10 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
             if "imagecodecs" in str(error):
                 require("imagecodecs", extra="formats")
             raise
-        sides = [1.0, 1.0, 1.0]
+        sides, unit = [1.0, 1.0, 1.0], ""
         remarks: list[Remark] = []
         if meaning.voxel_size is None:
-            sides, remarks = voxel_sides(str(path), file)
+            sides, unit, remarks = voxel_sides(str(path), file)
         remarks += _remark_on_page(file.pages[0])
     if n_empty:
         remarks.append(Remark("noted", "parts of pages without data, read as 0", n_empty))
@@ -72,7 +72,13 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
     if not set(_PAGES).isdisjoint(file.series[0].axes) or len(file.series) > 1:
         remarks += remark_on_thin_axis(voxels.shape)
     return image_of(
-        str(path), voxels, name=path.name, meaning=meaning, sides=sides, remarks=remarks
+        str(path),
+        voxels,
+        name=path.name,
+        meaning=meaning,
+        sides=sides,
+        unit=unit,
+        remarks=remarks,
     )
 
 

@@ -13,11 +13,12 @@ _METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "um": 1e-6, "nm": 1e-9
 #: Units of the tag ResolutionUnit.
 _TAG_UNITS = {2: "inch", 3: "cm"}
 
-Sizes = tuple[list[float], list[Remark]]
+#: Side lengths, unit of length (empty where there is none) and remarks.
+Sizes = tuple[list[float], str, list[Remark]]
 
 
 def voxel_sides(where: str, file: Any) -> Sizes:
-    """Return the side lengths of a voxel along x, y and z, and remarks on them.
+    """Return the side lengths of a voxel along x, y and z, their unit, and remarks on them.
 
     Parameters
     ----------
@@ -43,7 +44,7 @@ def voxel_sides(where: str, file: Any) -> Sizes:
         deep = abs(float(1.0 if spacing is None else spacing))
         if not deep > 0:
             raise _incomplete(where, [*across, deep])
-        return [*across, deep], _remark_on_unit(unit)
+        return [*across, deep], _named(unit), []
     if abs(across[0] - across[1]) > 1e-6 * max(across):
         raise GeometryError(
             f"a pixel measures {across[0]:g} x {across[1]:g}",
@@ -51,7 +52,7 @@ def voxel_sides(where: str, file: Any) -> Sizes:
             expected="square pixels",
             remedy="resample the image to cubes, or give `voxel_size` if the tags are wrong",
         )
-    return [1.0, 1.0, 1.0], _remark_on_resolution(file.pages[0], across[0])
+    return [1.0, 1.0, 1.0], "", _remark_on_resolution(file.pages[0], across[0])
 
 
 def _of_ome(where: str, text: str) -> Sizes:
@@ -61,7 +62,7 @@ def _of_ome(where: str, text: str) -> Sizes:
     given = {} if pixels is None else pixels.attrib
     texts = [given.get(f"PhysicalSize{axis}") for axis in "XYZ"]
     if not any(texts):
-        return [1.0, 1.0, 1.0], []
+        return [1.0, 1.0, 1.0], "", []
     units = [given.get(f"PhysicalSize{axis}Unit", "µm") for axis in "XYZ"]
     sides = [float(text or 0) for text in texts]
     if not all(side > 0 for side in sides):
@@ -77,7 +78,7 @@ def _of_ome(where: str, text: str) -> Sizes:
             )
         lengths = zip(sides, units, strict=True)
         sides = [side * _METRES[unit] / _METRES[units[0]] for side, unit in lengths]
-    return sides, _remark_on_unit(units[0])
+    return sides, _named(units[0]), []
 
 
 def _pixel_side(page: Any, name: str) -> float:
@@ -89,13 +90,9 @@ def _pixel_side(page: Any, name: str) -> float:
     return denominator / numerator if numerator and denominator else 1.0
 
 
-def _remark_on_unit(unit: str) -> list[Remark]:
-    """Return a remark on the unit of length that the file gives."""
-    if unit in ("", "pixel", "pixels"):
-        return []
-    unit = unit.replace("\\u00B5", "µ")
-    remedy = "give it as the `unit` of the model"
-    return [Remark("noted", f"unit of length in the file: {unit}", 1, remedy)]
+def _named(unit: str) -> str:
+    """Return the name of a unit of length, empty where sizes are counted in pixels."""
+    return "" if unit in ("pixel", "pixels") else unit.replace("\\u00B5", "µ")
 
 
 def _remark_on_resolution(page: Any, side: float) -> list[Remark]:

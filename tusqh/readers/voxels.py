@@ -29,6 +29,7 @@ def image_of(
     meaning: Voxels,
     sides: Sequence[float] = (1.0, 1.0, 1.0),
     origin: Sequence[float] = (0.0, 0.0, 0.0),
+    unit: str = "",
     remarks: Sequence[Remark] = (),
 ) -> Reading:
     """Return voxels as an image.
@@ -47,6 +48,8 @@ def image_of(
         Side lengths of a voxel as the file gives them, 1 where it gives none.
     origin
         Lowest corner of voxel (0, 0, 0) in the file's unit.  A given voxel size scales it.
+    unit
+        Unit of length that the file states, empty where it states none.
     remarks
         What the reader has to say.
 
@@ -68,7 +71,10 @@ def image_of(
         origin=[float(o) / s * size for o, s in zip(origin, sides, strict=True)],
         name=name,
     )
-    return Reading(image, tuple(said))
+    if unit:
+        what = f"unit of length in the file: {unit}"
+        said.insert(0, Remark("noted", what, 1, "give it as the `unit` of the model"))
+    return Reading(image, tuple(said), unit=unit)
 
 
 def remark_on_thin_axis(shape: Sequence[int]) -> list[Remark]:

@@ -2,7 +2,7 @@ rule ingest:
     input:
         geometry=geometry_of,
     output:
-        **files("geometry"),
+        **files("geometry", "reading"),
         **shown("defects"),
     params:
         reader=reader_of,

@@ -1,13 +1,18 @@
 from pathlib import Path
 
 from provenance.record import recorded
+from tusqh.atomic import write_text
 from tusqh.geometry.canonical import write_geometry
-from tusqh.pipeline.ingest import describe_geometry, ingest
+from tusqh.hashing import canonical_json
+from tusqh.pipeline.describe_reading import describe_reading, lines_of_reading
+from tusqh.pipeline.ingest import describe_geometry, read_source
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
-    geometry = ingest(snakemake.params.source, image=snakemake.params.image)
-    defects = describe_geometry(geometry)
-    log.info("%s: %d %s", geometry.name, defects["count"].iloc[0], defects["defect"].iloc[0])
-    write_geometry(Path(snakemake.output.geometry), geometry)
-    write_csv(Path(snakemake.output.defects), defects)
+    reading = read_source(snakemake.params.source, image=snakemake.params.image)
+    read = describe_reading(reading)
+    for text in (*lines_of_reading(read).values(), *reading.remarks):
+        log.info("%s", text)
+    write_geometry(Path(snakemake.output.geometry), reading.geometry)
+    write_text(Path(snakemake.output.reading), canonical_json(read))
+    write_csv(Path(snakemake.output.defects), describe_geometry(reading.geometry))
