@@ -15,6 +15,22 @@ __all__ = [
 ]
 
 
+def one_line(text: str) -> str:
+    r"""Return a text, such as the name of a file, with its control characters spelt out.
+
+    Parameters
+    ----------
+    text
+        The text; bytes of a name that are not UTF-8 are spelt out too.
+
+    Examples
+    --------
+    >>> print(one_line("a" + chr(10) + "b.stl"))
+    a\nb.stl
+    """
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
 class TusqhError(Exception):
     """An error that the user can fix.  All four parts of the message are required.
 
@@ -46,7 +62,8 @@ class TusqhError(Exception):
         self.remedy = remedy
 
     def __str__(self) -> str:
-        return f"{self.where}: {self.found}\n  expected: {self.expected}\n  remedy:   {self.remedy}"
+        where = one_line(self.where)
+        return f"{where}: {self.found}\n  expected: {self.expected}\n  remedy:   {self.remedy}"
 
 
 class ConfigError(TusqhError):

@@ -151,7 +151,7 @@ def test_bad_arguments_are_explained(ring, call, tmp_path, arguments, message):
         ("missing.stl", None, "there is no such file"),
         ("cut.stl", b"\0" * 80 + b"\x10\0\0\0" + b"\0" * 50, "promises 16 triangles"),
         ("empty.obj", b"", "error in"),
-        ("noise.ply", b"\x89PNG\r\n\x1a\n" * 9, "the header is incomplete"),
+        ("noise.ply", b"\x89PNG\r\n\x1a\n" * 9, "it is a PNG picture"),
         ("page.geojson", b"<html>", "cannot be read"),
         ("part.docx", b"PK", "not supported"),
         ("package:none/part.stl", None, "has no file"),

@@ -115,7 +115,7 @@ def test_meanings_that_make_no_sense_are_explained(meaning, message):
 def test_broken_files_are_explained(tmp_path, suffix, content):
     path = tmp_path / f"a.{suffix}"
     path.write_bytes(content)
-    with pytest.raises(GeometryError, match=r"cannot be read|cut off"):
+    with pytest.raises(GeometryError, match=r"cannot be read|cut off|empty"):
         read_file(path)
     with pytest.raises(GeometryError, match="no such file"):
         read_file(tmp_path / f"b.{suffix}")

@@ -233,7 +233,7 @@ def test_unsupported_suffix_names_the_supported_ones(tmp_path):
             "fewer than two numbers",
         ),
         ("a.svg", "<svg><path></svg>", "mismatched tag"),
-        ("a.svg", "<html/>", "not <svg>"),
+        ("a.svg", "<kml/>", "not <svg>"),
         ("a.svg", '<svg><path d="M 0 0 L"/></svg>', "expects 2"),
         ("a.svg", '<svg><g transform="turn(3)"/></svg>', "transform"),
         ("a.dxf", "not a drawing", "not a DXF file"),
@@ -308,7 +308,7 @@ def test_zero_extent(tmp_path, name, text):
     [
         ("x0,y0,x1\n0,0,1\n", 1, "the columns are x0,y0,x1"),
         ("a,b,c,d\n0,0,1,1\n", 1, "the columns are a,b,c,d"),
-        ("", 1, "the columns are (none)"),
+        ("\n", 1, "the columns are (none)"),
         ("x0,y0,x1,y1\n0,0,1,1\n0,zero,1,1\n", 3, "'0,zero,1,1' is not four numbers"),
         ("x0,y0,x1,y1\n0,0,1\n", 2, "'0,0,1' is not four numbers"),
         ("x0,y0,x1,y1\n0,0,1,1,1\n", 2, "'0,0,1,1,1' is not four numbers"),

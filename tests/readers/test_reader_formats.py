@@ -17,9 +17,11 @@ from tusqh.readers.formats import FORMATS, dimension_of, suffixes_of
 OTHERS = {
     "__init__",
     "axes",
+    "content",
     "curves",
     "files",
     "formats",
+    "gate",
     "labels",
     "memory",
     "ply_header",

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from tusqh.errors import one_line
+
 
 @dataclass(frozen=True)
 class Remark:
@@ -31,5 +33,5 @@ class Remark:
 
     def __str__(self) -> str:
         """Return the remark as one line."""
-        line = f"{self.effect}: {self.count:,} {self.what}"
+        line = f"{self.effect}: {self.count:,} {one_line(self.what)}"
         return f"{line} ({self.remedy})" if self.remedy else line

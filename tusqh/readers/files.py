@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Literal
 
-from tusqh.errors import GeometryError, TusqhError
+from tusqh.errors import GeometryError, TusqhError, one_line
 from tusqh.extras import require
 from tusqh.readers.formats import find_format, suffixes_of
+from tusqh.readers.gate import check_file
 from tusqh.readers.reading import Reading
 from tusqh.settings.field import entries_of
 from tusqh.settings.voxels import Voxels
@@ -38,32 +40,29 @@ def read_file(path: Path, *, image: Mapping[str, Any] | None = None) -> Reading:
     Raises
     ------
     GeometryError
-        The file is missing, of no supported format, damaged, empty, without extent or not finite,
-        or `image` is given for a file that is not an image.
+        The file is missing, not a regular file, of another format than its suffix says, larger
+        than the memory, damaged, empty, without extent or not finite, or `image` is given for a
+        file that is not an image.
     MissingExtraError
         The library that reads the format is not installed.
     """
     found = find_format(str(path))
     _check_options(path, image or {}, is_image=found.kind == "image")
-    if not path.is_file():
-        raise GeometryError(
-            "there is no such file",
-            where=str(path),
-            expected="a geometry file",
-            remedy="check the path",
-        )
+    check_file(path, found)
     if found.library and found.extra:
         require(found.library, extra=found.extra)
     reader = import_module(f"tusqh.readers.{found.module}")
     try:
         is_image = found.kind == "image"
         options = {"meaning": Voxels(**(image or {}))} if is_image else {}
-        reading: Reading = reader.read(path, **options)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Of libraries; remarks say what a user must know.
+            reading: Reading = reader.read(path, **options)
     except TusqhError:
         raise
     except Exception as error:  # Parsers raise many types over a damaged file.
         raise GeometryError(
-            f"the file cannot be read: {error or type(error).__name__}",
+            f"the file cannot be read: {one_line(str(error)) or type(error).__name__}",
             where=str(path),
             expected=f"a well-formed {path.suffix.lower()} file",
             remedy="open it in the program that wrote it and export it again",

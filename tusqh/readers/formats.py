@@ -29,6 +29,9 @@ class Format:
         The extra of tusqh that installs this library.
     unit
         The unit of length that the format fixes, empty where files may state one or none.
+    growth
+        Bytes of memory that reading takes for each byte of a file, measured; of compressed images
+        the readers know more.
     """
 
     name: str
@@ -38,25 +41,26 @@ class Format:
     library: str | None = None
     extra: str | None = None
     unit: str = ""
+    growth: float = 1.0
 
 
 # fmt: off
 #: All formats, in the order in which messages list them.
 FORMATS = (
-    Format("GeoJSON", (".geojson", ".json"), "outline", "geojson"),
-    Format("SVG", (".svg",), "outline", "svg", "svgpathtools", "formats"),
-    Format("shapefile", (".shp",), "outline", "shp", "shapefile", "formats"),
-    Format("DXF", (".dxf",), "outline", "dxf", "ezdxf", "formats"),
-    Format("CSV of segments", (".csv",), "outline", "segments"),
-    Format("STL", (".stl",), "surface", "stl"),
-    Format("OBJ", (".obj",), "surface", "obj"),
-    Format("PLY", (".ply",), "surface", "ply"),
-    Format("OFF", (".off",), "surface", "off"),
-    Format("glTF", (".glb", ".gltf"), "surface", "gltf", unit="m"),
-    Format("VTK", (".vtk", ".vtu", ".vtp"), "surface", "vtk", "pyvista", "formats"),
-    Format("NumPy array", (".npy",), "image", "npy"),
-    Format("TIFF stack", (".tif", ".tiff"), "image", "tiff", "tifffile", "formats"),
-    Format("NRRD", (".nrrd",), "image", "nrrd", "nrrd", "formats"),
+    Format("GeoJSON", (".geojson", ".json"), "outline", "geojson", growth=8),
+    Format("SVG", (".svg",), "outline", "svg", "svgpathtools", "formats", growth=16),
+    Format("shapefile", (".shp",), "outline", "shp", "shapefile", "formats", growth=8),
+    Format("DXF", (".dxf",), "outline", "dxf", "ezdxf", "formats", growth=10),
+    Format("CSV of segments", (".csv",), "outline", "segments", growth=12),
+    Format("STL", (".stl",), "surface", "stl", growth=6),
+    Format("OBJ", (".obj",), "surface", "obj", growth=20),
+    Format("PLY", (".ply",), "surface", "ply", growth=12),
+    Format("OFF", (".off",), "surface", "off", growth=16),
+    Format("glTF", (".glb", ".gltf"), "surface", "gltf", unit="m", growth=8),
+    Format("VTK", (".vtk", ".vtu", ".vtp"), "surface", "vtk", "pyvista", "formats", growth=8),
+    Format("NumPy array", (".npy",), "image", "npy", growth=2),
+    Format("TIFF stack", (".tif", ".tiff"), "image", "tiff", "tifffile", "formats", growth=1),
+    Format("NRRD", (".nrrd",), "image", "nrrd", "nrrd", "formats", growth=1),
 )
 # fmt: on
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from tusqh.errors import GeometryError
 from tusqh.grid import FloatArray
+from tusqh.readers.gate import check_part
 from tusqh.readers.polygon_faces import damaged
 
 _TYPES = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -160,11 +161,10 @@ class GltfFile:
         elif uri.startswith("data:"):
             content = base64.b64decode(uri.partition(",")[2])
         else:
-            file = self.path.parent / unquote(uri)
-            content = file.read_bytes() if file.is_file() else None
+            content = check_part(self.path, unquote(uri)).read_bytes()
         if content is None:
             raise self.fault(
-                f"buffer {number} is missing ({uri or 'in the file itself'})",
+                f"buffer {number} is missing in the file itself",
                 remedy="copy the files that belong to it too, or export it as .glb",
             )
         if len(content) < buffer["byteLength"]:

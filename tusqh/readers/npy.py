@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -35,8 +34,7 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
         The file has more or fewer bytes than its header says, or the array is not an image, see
         `tusqh.geometry.image.Image`.
     """
-    with path.open("rb") as file, warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # Of headers that Python 2 wrote.
+    with path.open("rb") as file:
         voxels = np.load(file, allow_pickle=False)
         n_left = path.stat().st_size - file.tell()
     if n_left:

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import bz2
+import gzip
+import math
+import zlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,13 +18,21 @@ from numpy.typing import NDArray
 from tusqh.errors import GeometryError
 from tusqh.geometry.remark import Remark
 from tusqh.grid import FloatArray
+from tusqh.machine import available_memory
 from tusqh.readers.axes import take_space
+from tusqh.readers.gate import check_part, require_memory
 from tusqh.readers.reading import Reading
 from tusqh.readers.voxels import image_of, remark_on_thin_axis
 from tusqh.settings.voxels import Voxels
 
 #: Components of a direction up to this, relative to its length, are taken as zero.
 _PARALLEL = 1e-6
+_OPENERS: dict[str, Callable[..., Any]] = {
+    **dict.fromkeys(("gz", "gzip"), gzip.open),
+    **dict.fromkeys(("bz2", "bzip2"), bz2.open),
+}
+#: Bytes that a compressed byte can become, and bytes that are decompressed at a time.
+_MOST_COMPRESSED, _BLOCK = 1032, 1 << 20
 #: Kinds of axes that are directions of space; "" is for axes without a kind.
 _IN_SPACE = ("domain", "space", "", "???", "none")
 
@@ -48,6 +61,8 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
         Axes are oblique or not directions of space, the voxels are not cubes, or the array is not
         an image.
     """
+    with path.open("rb") as file:  # A name with a newline would be taken for a header.
+        _check_data(path, nrrd.read_header(file))
     voxels, header = nrrd.read(str(path), index_order="F")
     others = _find_others(header, voxels.ndim)
     in_space = [i for i, name in enumerate(others) if not name]
@@ -69,6 +84,39 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
         unit=_unit_in(header),
         remarks=remarks,
     )
+
+
+def _check_data(path: Path, header: dict[str, Any]) -> None:
+    """Raise where the data is in another folder, or needs more memory than there is.
+
+    Compressed data is counted before it is kept where it could be longer than the memory.
+    """
+    name = header.get("data file", header.get("datafile"))
+    part = path if name is None else check_part(path, str(name))
+    kind = np.dtype(nrrd.reader._determine_datatype(header))
+    needed = math.prod(int(n) for n in header["sizes"]) * kind.itemsize
+    shape = " x ".join(str(n) for n in header["sizes"])
+    require_memory(path, 3 * needed, what=f"an image of {shape} voxels")
+    encoding = str(header["encoding"]).lower()
+    if encoding not in _OPENERS or part.stat().st_size * _MOST_COMPRESSED < available_memory() / 3:
+        return
+    with part.open("rb") as raw:
+        if part == path:
+            nrrd.read_header(raw)
+        n_read = 0
+        try:
+            with _OPENERS[encoding](raw) as data:
+                while n_read <= 2 * needed + _BLOCK and (block := data.read(_BLOCK)):
+                    n_read += len(block)
+        except (OSError, EOFError, zlib.error):
+            return  # pynrrd says what is damaged.
+    if n_read > 2 * needed + _BLOCK:
+        raise GeometryError(
+            "its compressed data is more than twice as long as the image",
+            where=str(path),
+            expected=f"{needed:,} bytes, as its header says",
+            remedy="export the image again; it is damaged",
+        )
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,6 +17,7 @@ from tusqh.errors import GeometryError
 from tusqh.extras import require
 from tusqh.geometry.remark import Remark
 from tusqh.readers.axes import take_space
+from tusqh.readers.gate import require_memory
 from tusqh.readers.reading import Reading
 from tusqh.readers.tiff_pages import check_data, count_pages
 from tusqh.readers.tiff_sizes import voxel_sides
@@ -96,6 +98,8 @@ def _stack(path: Path, file: Any) -> tuple[NDArray[Any], str, int]:
             expected="one stack of pages of one shape and type",
             remedy="export one of them as a file of its own",
         )
+    needed = sum(math.prod(shape) * np.dtype(kind).itemsize for shape, kind, _ in shapes)
+    require_memory(path, 3 * needed, what=f"an image of {needed / 1e6:,.0f} MB")
     n_empty = sum(check_data(path, series) for series in file.series)
     _check_number(path, file)
     if len(shapes) > 1:

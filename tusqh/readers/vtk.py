@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 
 import pyvista
@@ -41,8 +40,7 @@ def read(path: Path) -> Reading:
         raise damaged(
             path, "the file ends before `</VTKFile>`", expected="a complete VTK file in XML"
         )
-    with warnings.catch_warnings(), pyvista.VtkErrorCatcher() as catcher:
-        warnings.simplefilter("ignore")
+    with pyvista.VtkErrorCatcher() as catcher:
         dataset = pyvista.read(path)
     if catcher.error_events:
         found = str(catcher.error_events[0].alert).strip().splitlines()

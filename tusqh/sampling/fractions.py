@@ -14,7 +14,6 @@ Everything outside the grid is empty.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -25,6 +24,7 @@ import numpy as np
 from tusqh.errors import SamplingError
 from tusqh.geometry.kinds import Surface
 from tusqh.grid import BackgroundGrid, FloatArray, doubled
+from tusqh.machine import available_memory
 from tusqh.sampling.doubled_grid import (
     RESOLUTION,
     Multiples,
@@ -292,13 +292,13 @@ def require_memory(
         The estimate exceeds the memory of this machine.
     """
     needed = grid.n_cells * _BYTES_PER_CELL[step][grid.dim]
-    available = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    available = available_memory()
     if needed > available:
         coarser = (needed / available) ** (1 / grid.dim)
         raise SamplingError(
             f"the {grid.label} grid of {grid.n_cells:,} cells needs about {needed / 1e9:.0f} GB",
             where=name,
-            expected=f"at most the {available / 1e9:.0f} GB of this machine",
+            expected=f"at most the {available / 1e9:.0f} GB that this machine has left",
             remedy=f"use cells at least {coarser:.2g} times as large (`grid.cell_size`), or fewer "
             "`grid.cells`",
         )

@@ -1,0 +1,36 @@
+"""What this machine has: memory that a process can still get."""
+
+from __future__ import annotations
+
+import os
+import resource
+from pathlib import Path
+
+_MEMORY_INFO = Path("/proc/meminfo")
+_GROUP = Path("/sys/fs/cgroup")
+
+
+def available_memory() -> int:
+    """Return how many bytes of memory this process can still get.
+
+    Returns
+    -------
+    int
+        The least of what the system says is available (all of its memory where it does not say
+        so), what is left of the limit of the control group, and the limit of the address space.
+    """
+    limits = [os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")]
+    if _MEMORY_INFO.is_file():
+        words = _MEMORY_INFO.read_text().split()
+        if "MemAvailable:" in words:
+            limits.append(1024 * int(words[words.index("MemAvailable:") + 1]))
+    try:
+        most = (_GROUP / "memory.max").read_text().strip()
+        used = int((_GROUP / "memory.current").read_text())
+        limits += [int(most) - used] if most != "max" else []
+    except (OSError, ValueError):
+        pass
+    address_space, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if address_space != resource.RLIM_INFINITY:
+        limits.append(address_space)
+    return max(min(limits), 0)

@@ -1,0 +1,119 @@
+"""What the first bytes of a file say about its format, whatever its name says."""
+
+from __future__ import annotations
+
+import re
+import struct
+from pathlib import Path
+from typing import NamedTuple
+
+#: Bytes at the start of a file that are looked at.
+_HEAD = 4096
+
+
+class Content(NamedTuple):
+    """What a file is.
+
+    Parameters
+    ----------
+    name
+        Its format, with an article: "a PLY file".
+    suffixes
+        Suffixes by which this format is read; none for formats that are not read.
+    """
+
+    name: str
+    suffixes: tuple[str, ...] = ()
+
+
+# fmt: off
+#: First bytes, at a fixed place.
+_MAGIC = (
+    (0, b"ply\n", Content("a PLY file", (".ply",))),
+    (0, b"ply\r", Content("a PLY file", (".ply",))),
+    (0, b"glTF", Content("a binary glTF file", (".glb", ".gltf"))),
+    (0, b"# vtk DataFile", Content("a legacy VTK file", (".vtk",))),
+    (0, b"\x93NUMPY", Content("a NumPy array", (".npy",))),
+    (0, b"NRRD000", Content("an NRRD file", (".nrrd",))),
+    (0, b"II*\0", Content("a TIFF file", (".tif", ".tiff"))),
+    (0, b"MM\0*", Content("a TIFF file", (".tif", ".tiff"))),
+    (0, b"II+\0", Content("a TIFF file", (".tif", ".tiff"))),
+    (0, b"MM\0+", Content("a TIFF file", (".tif", ".tiff"))),
+    (0, b"\0\0\x27\x0a", Content("a shapefile", (".shp",))),
+    (0, b"AutoCAD Binary DXF", Content("a DXF file", (".dxf",))),
+    (0, b"PK\x03\x04", Content("a ZIP archive")),
+    (0, b"PK\x05\x06", Content("an empty ZIP archive")),
+    (0, b"\x1f\x8b", Content("a file compressed by gzip")),
+    (0, b"BZh", Content("a file compressed by bzip2")),
+    (0, b"\xfd7zXZ\0", Content("a file compressed by xz")),
+    (0, b"7z\xbc\xaf\x27\x1c", Content("a 7z archive")),
+    (0, b"Rar!\x1a\x07", Content("a RAR archive")),
+    (257, b"ustar", Content("a tar archive")),
+    (0, b"%PDF", Content("a PDF document")),
+    (0, b"\x89PNG", Content("a PNG picture")),
+    (0, b"\xff\xd8\xff", Content("a JPEG picture")),
+    (0, b"GIF8", Content("a GIF picture")),
+    (0, b"\x89HDF", Content("an HDF5 file")),
+    (0, b"ISO-10303-21", Content("a STEP file")),
+    (0, b"Kaydara FBX", Content("an FBX file")),
+    (0, b"BLENDER", Content("a Blender file")),
+    (0, b"$MeshFormat", Content("a Gmsh file")),
+    (0, b"\x7fELF", Content("a program")),
+    (0, b"version https://git-lfs", Content("a pointer of Git LFS, not the file itself")),
+    (128, b"DICM", Content("a DICOM file")),
+)
+#: Patterns at the start of a text, after blanks and a byte order mark.
+_TEXTS = (
+    (rb"(?s)solid\b.{0,1000}?\bfacet\b", Content("an STL file in text", (".stl",))),
+    (rb"(?:ST)?C?N?4?n?OFF\b", Content("an OFF file", (".off",))),
+    (rb"(?:999\r?\n[^\n]*\n\s*)*0\s*\r?\n\s*SECTION\b", Content("a DXF file", (".dxf",))),
+    (rb"x0\s*,\s*y0\s*,\s*x1\s*,\s*y1", Content("a CSV file of segments", (".csv",))),
+    (rb"(?:(?:#|mtllib |o |g )[^\n]*\n\s*)*v[ \t]+[-+.\d]+[ \t]+[-+.\d]",
+     Content("an OBJ file", (".obj",))),
+    (rb"(?s)<.{0,3000}?<VTKFile|<VTKFile", Content("a VTK file in XML", (".vtu", ".vtp", ".vti"))),
+    (rb"(?s)<.{0,3000}?<(?:\w+:)?svg\b|<(?:\w+:)?svg\b", Content("an SVG drawing", (".svg",))),
+    (rb"(?i)<!doctype html|<html", Content("a web page")),
+    (rb'(?s)\{.{0,3000}?"(?:asset|bufferViews|accessors)"\s*:', Content("a glTF file", (".gltf",))),
+    (rb'(?s)[\[{].{0,3000}?"(?:type"\s*:\s*"(?:Feature|Geometry|(?:Multi)?[PL])|features"\s*:)',
+     Content("a GeoJSON file", (".geojson", ".json"))),
+)
+# fmt: on
+
+
+def recognise(path: Path) -> Content | None:
+    """Return what a file is by its first bytes, None where they do not say it.
+
+    Parameters
+    ----------
+    path
+        A regular file.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder, "part.stl")
+    ...     _ = path.write_bytes(b"ply" + bytes([10]))
+    ...     recognise(path).name
+    'a PLY file'
+    """
+    with path.open("rb") as file:
+        head = file.read(_HEAD)
+    suffix = path.suffix.lower()
+    if suffix == ".stl" and _is_binary_stl(head, path.stat().st_size):
+        return None  # Any 80 bytes may begin it.
+    found = [content for place, mark, content in _MAGIC if head[place:].startswith(mark)]
+    text = head.removeprefix(b"\xef\xbb\xbf").lstrip()
+    found += [content for pattern, content in _TEXTS if re.match(pattern, text)]
+    if not found and _is_binary_stl(head, path.stat().st_size):
+        return Content("a binary STL file", (".stl",))
+    # A file that may be of several formats is of the one that its name says.
+    return next(
+        (content for content in found if suffix in content.suffixes), next(iter(found), None)
+    )
+
+
+def _is_binary_stl(head: bytes, size: int) -> bool:
+    """Return whether the size of a file is that of the triangles that its header counts."""
+    n = struct.unpack("<I", head[80:84])[0] if len(head) >= 84 else 0
+    return n > 0 and size == 84 + 50 * n
