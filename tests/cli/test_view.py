@@ -76,7 +76,8 @@ def test_a_result_folder_is_shown_as_it_is(run, tmp_path):
     assert opened == [page.as_uri()]
     assert sorted((tmp_path / "out/plate").iterdir()) == sorted([*before, page])
     facts = facts_of(page)
-    assert facts["command"]["before"].startswith("tusqh mesh plate.svg --cells 12,12")
+    assert facts["command"]["before"].startswith("tusqh mesh plate.svg --cells 12,")
+    assert "--placement corner" in facts["command"]["before"]
     assert facts["command"]["note"] == "domain, rule and orientation are not known here"
     # The command that the page shows makes the mesh that the page shows.
     words = f"{facts['command']['before']} --threshold {facts['chosen']['threshold']}".split()

@@ -44,7 +44,8 @@ def test_a_plate_thinner_than_a_cell_is_not_suitable_and_the_cell_size_is_named(
 
 def test_a_volume_a_little_off_is_a_warning_in_the_certificate_too(tmp_path):
     outline = Outline.from_chains([square(10.0)])
-    result = tusqh.mesh(outline, cells=4, window=((-1, -1), (12, 12)), name="square")
+    window = ((-1, -1), (12, 12))
+    result = tusqh.mesh(outline, cells=4, window=window, placement="corner", name="square")
     assert rows(result, "warning").loc["volume", "remedy"]
     result.save(tmp_path)
     assert '"id": "volume"' in (tmp_path / "certificate.json").read_text().replace('":"', '": "')

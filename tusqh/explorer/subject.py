@@ -202,7 +202,7 @@ def _known(chosen: Mapping[str, Any], fractions: VolumeFractions) -> Settings:
     """Return the settings of a model that can be read from its results."""
     grid = fractions.grid
     return Settings(
-        grid=Grid(cells=grid.shape),
+        grid=Grid(cells=grid.shape, placement="corner"),
         window=Window(lower=grid.origin, upper=grid.upper),
         sampling=Sampling(samples=fractions.samples),
         policy=Policy.from_dict(chosen["policy"]),

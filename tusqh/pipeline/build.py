@@ -55,6 +55,7 @@ class Built:
             "margin": self.selection.margin,
             **describe_mesh(self.resolved, self.fractions),
             **self._reference_facts,
+            **self._placement,
             "comparison": [asdict(check) for check in self.comparison],
         }
 
@@ -62,6 +63,11 @@ class Built:
     def mesh(self) -> VolumeMesh:
         """The mesh."""
         return self.resolved.mesh
+
+    @property
+    def _placement(self) -> dict[str, Any]:
+        placement = self.fractions.placement
+        return {} if placement is None else {"placement": placement.to_dict()}
 
     @property
     def _reference_facts(self) -> dict[str, Any]:
@@ -110,6 +116,7 @@ class Built:
         cells = self.resolved.cells
         self.write_mesh(mesh)
         claim = make_certificate(self.selection, cells, mesh, fractions, name=self.mesh.name)
+        claim |= self._placement
         claim["warnings"] = [
             {"id": c.id, "name": c.name, "found": str(c.found), "remedy": c.remedy}
             for c in self.comparison

@@ -20,6 +20,7 @@ from tusqh.progress import Progress, log_progress
 from tusqh.sampling.orient import orient
 from tusqh.sampling.reference import find_reference
 from tusqh.settings.arguments import arguments_of, explains_unknown_arguments, from_arguments
+from tusqh.settings.grid import Place
 from tusqh.settings.model import Settings
 from tusqh.settings.policy import BridgeMode, MixedPinches
 from tusqh.settings.sampling import Domain, Orientation, Rule, Sampler
@@ -36,6 +37,7 @@ def mesh(
     *,
     cells: int | Sequence[int] | None = None,
     cell_size: float | None = None,
+    placement: Place = "auto",
     betti: Betti | None = None,
     threshold: float | None = None,
     persistence: float | None = None,
@@ -68,6 +70,9 @@ def mesh(
         Cells along the longest side (64 by default), or one number for each axis.
     cell_size
         Edge length of a cell, in units of the geometry, instead of `cells`.
+    placement
+        ``"auto"`` moves the grid by part of a cell where the volume is more than 1 % off;
+        ``"corner"`` lays it on the box.
     betti
         Wanted numbers of components, holes and voids: ``(1, 0, 0)``.  Each may be a number, a
         list, ``{"min": 1, "max": 3}``, or None for any.
@@ -172,6 +177,7 @@ def run_stages(
         grid=settings.grid,
         sampling=settings.sampling,
         window=settings.window,
+        threshold=settings.goal.threshold,
         progress=progress,
     )
     box = None if settings.window is None else settings.window.box

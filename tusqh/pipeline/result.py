@@ -26,6 +26,7 @@ from tusqh.pipeline.select import Choice
 from tusqh.quality.verdict import compare_volumes
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.io import save_fractions
+from tusqh.sampling.placement import Placement
 from tusqh.settings.model import Settings
 from tusqh.tables import write_csv
 from tusqh.threshold.selection import Selection
@@ -118,9 +119,15 @@ class Report:
             "mesh": f"{facts['elements']:,} {'hexes' if facts['dimension'] == 3 else 'quads'} of "
             f"{facts['grid']} cells, {count_pinches(facts['pinches'])} resolved, "
             f"volume {compare_volumes(facts)}",
+            **self._placement(),
             "verdict": str(Judgement(self.elements, self.verdict)),
         }
         return lines_of_reading(self.reading) | of_mesh | self._warnings() | self._remarks()
+
+    def _placement(self) -> dict[str, str]:
+        """Return a line on where the grid was put, where the program chose it."""
+        placed = self.facts.get("placement")
+        return {"grid": str(Placement.from_dict(placed))} if placed else {}
 
     def _remarks(self) -> dict[str, str]:
         """Return a line for each remark on the geometry."""

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from tusqh.geometry.image import Image
 from tusqh.geometry.kinds import Geometry
 from tusqh.progress import Progress, log_progress
 from tusqh.sampling.fractions import VolumeFractions, require_memory, sample_fractions
 from tusqh.sampling.layout import lay_grid
 from tusqh.sampling.orient import orient
+from tusqh.sampling.place import place_grid
+from tusqh.sampling.placement import Placement
+from tusqh.sampling.reference import find_reference
 from tusqh.sampling.voxels import lay_on_voxels, voxel_fractions
 from tusqh.settings.grid import Grid, Window
 from tusqh.settings.sampling import Sampling
+
+#: The threshold for which a grid is placed where the goal is another one than a threshold.
+BASE_THRESHOLD = 0.5
 
 
 def sample(
@@ -19,6 +27,7 @@ def sample(
     grid: Grid,
     sampling: Sampling | None = None,
     window: Window | None = None,
+    threshold: float | None = None,
     progress: Progress = log_progress,
 ) -> VolumeFractions:
     """Return the volume fractions of a geometry on the grid that its settings ask for.
@@ -35,6 +44,8 @@ def sample(
         only `domain` matters.
     window
         Box to mesh in; None: the bounding box.
+    threshold
+        The threshold for which the grid is placed; None: 1/2.
     progress
         Shows how many samples have been taken.
 
@@ -45,16 +56,32 @@ def sample(
     """
     sampling = sampling or Sampling()
     box = None if window is None else window.box
+    is_auto = grid.placement == "auto"
     if isinstance(geometry, Image):
         voxel_grid = lay_on_voxels(geometry, box, cells=grid.cells, cell_size=grid.cell_size)
-        return voxel_fractions(geometry, voxel_grid, domain=sampling.domain, window=box)
+        fractions = voxel_fractions(geometry, voxel_grid, domain=sampling.domain, window=box)
+        stays = Placement((0, 0, 0), fractions.samples, reason="its cells are whole voxels")
+        return replace(fractions, placement=stays if is_auto else None)
     oriented = orient(geometry, sampling.orientation).geometry
     background_grid = lay_grid(geometry, box, cells=grid.cells, cell_size=grid.cell_size)
     require_memory(background_grid, "meshing", name=geometry.name)
-    return sample_fractions(
+    fractions = sample_fractions(
+        oriented, background_grid, sampling=sampling, window=box, progress=progress("samples")
+    )
+    if not is_auto:
+        return fractions
+    progress("placement")
+    reference = find_reference(geometry, fractions, sampling=sampling, window=box)
+    placed, placement = place_grid(
         oriented,
         background_grid,
+        reference.volume,
         sampling=sampling,
         window=box,
-        progress=progress("samples"),
+        threshold=threshold or BASE_THRESHOLD,
     )
+    if placement.is_moved:
+        fractions = sample_fractions(
+            oriented, placed, sampling=sampling, window=box, progress=progress("samples")
+        )
+    return replace(fractions, placement=placement)

@@ -34,6 +34,7 @@ from tusqh.sampling.doubled_grid import (
 from tusqh.sampling.field import WindingField, make_field
 from tusqh.sampling.lattice import Box, Lattice
 from tusqh.sampling.nothing_inside import nothing_inside
+from tusqh.sampling.placement import Placement
 from tusqh.settings.sampling import Domain, Orientation, Sampling
 
 #: About how many samples a slab of the lattice holds: this bounds memory and paces progress.
@@ -59,11 +60,14 @@ class VolumeFractions:
     multiples
         Fractions on the doubled grid as multiples of `RESOLUTION`, shape ``2 n + 1``, int32.
         Below 0 and above 1 / `RESOLUTION` where the winding number is.
+    placement
+        Where the grid was put; None: at the corner, as asked for.
     """
 
     grid: BackgroundGrid
     samples: int
     multiples: Multiples
+    placement: Placement | None = None
 
     @classmethod
     def from_values(cls, grid: BackgroundGrid, samples: int, values: FloatArray) -> VolumeFractions:

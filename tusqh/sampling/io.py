@@ -12,6 +12,7 @@ from tusqh.atomic import replacing
 from tusqh.errors import SamplingError
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.sampling.placement import Placement
 
 #: Bytes from which zip needs its larger headers, with room for the array's own.
 _LARGE = 2**31 - 2**16
@@ -32,6 +33,8 @@ def save_fractions(path: Path, fractions: VolumeFractions) -> None:
         "samples": np.array(fractions.samples, dtype=np.int64),
         "grid": np.array(json.dumps(fractions.grid.to_dict())),
     }
+    if fractions.placement is not None:
+        arrays["placement"] = np.array(json.dumps(fractions.placement.to_dict()))
     with replacing(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
         for name, array in arrays.items():
             # As `numpy.savez_compressed`, whose headers depend on the version of Python.
@@ -57,12 +60,16 @@ def load_fractions(path: Path) -> VolumeFractions:
     """
     try:
         with np.load(path) as content:
+            placement = None
+            if "placement" in content:
+                placement = Placement.from_dict(json.loads(str(content["placement"])))
             return VolumeFractions(
                 grid=BackgroundGrid.from_dict(json.loads(str(content["grid"]))),
                 samples=int(content["samples"]),
                 multiples=content["multiples"].astype(np.int32),
+                placement=placement,
             )
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as reason:
+    except (OSError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as reason:
         raise SamplingError(
             f"cannot be read as volume fractions: {reason}",
             where=str(path),

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 from tusqh.settings.field import setting
 from tusqh.settings.section import Section
 from tusqh.settings.validate import Path
 
+Place = Literal["auto", "corner"]
 Box = tuple[tuple[float, ...], tuple[float, ...]]
 
 
@@ -19,8 +20,10 @@ class Grid(Section):
 
     Examples
     --------
-    >>> Grid(), Grid(cell_size=0.5)
-    (Grid(cells=64, cell_size=None), Grid(cells=None, cell_size=0.5))
+    >>> Grid(cell_size=0.5)
+    Grid(cells=None, cell_size=0.5, placement='auto')
+    >>> Grid().cells
+    64
     """
 
     title: ClassVar[str] = "Grid"
@@ -40,6 +43,11 @@ class Grid(Section):
         unit="units of the geometry",
         above=0,
         metavar="H",
+    )
+    placement: Place = setting(
+        "`auto` moves the grid by part of a cell where the volume is more than 1 % off, to the "
+        "place with the least error; `corner` lays it on the box. Over images it is not moved.",
+        default="auto",
     )
 
 

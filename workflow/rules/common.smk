@@ -115,6 +115,12 @@ def settings_of(name):
     return settings
 
 
+def threshold_of_placement(wildcards):
+    """Return the threshold for which the grid of a model is placed; no other step depends on it."""
+    settings = MODELS[wildcards.model].settings
+    return settings.goal.threshold if settings.grid.placement == "auto" else None
+
+
 def cells_of_study(wildcards):
     """Return the sizes of the grids on which a model is placed at random."""
     return STUDY[f"cells_{DIMENSION[wildcards.model]}d"]

@@ -7,6 +7,7 @@ rule sample:
         grid=settings_of("grid"),
         window=settings_of("window"),
         sampling=settings_of("sampling"),
+        threshold=threshold_of_placement,
     # Sums are of integers, or within one thread: the result does not depend on their number.
     threads: 2
     priority: MODELS_FIRST

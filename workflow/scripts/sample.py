@@ -15,6 +15,8 @@ with recorded(snakemake) as log:
         grid=Grid.from_dict(snakemake.params.grid),
         sampling=Sampling.from_dict(snakemake.params.sampling),
         window=window and Window.from_dict(window),
+        threshold=snakemake.params.threshold,
     )
     log.info("%s cells of size %g", fractions.grid.label, fractions.grid.cell_size)
+    log.info("grid %s", fractions.placement or "at the corner")
     save_fractions(Path(snakemake.output.fractions), fractions)

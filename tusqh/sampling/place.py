@@ -1,0 +1,282 @@
+"""Move the background grid by part of a cell where that makes the mesh's volume right.
+
+Faces of a part that lie in the middle of cells are kept or dropped together, so that a box meshed
+on one grid has half, on another twice its volume.  Grids that are moved by whole samples share one
+lattice of samples, and the fractions of their cells are moving averages over it.  One pass counts,
+for every such placement, the cells that a threshold keeps.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+
+from tusqh.geometry.kinds import Surface
+from tusqh.grid import BackgroundGrid, FloatArray, IntArray
+from tusqh.sampling.closing import close
+from tusqh.sampling.doubled_grid import RESOLUTION
+from tusqh.sampling.field import CrossingField
+from tusqh.sampling.fractions import SAMPLES_AT_A_TIME
+from tusqh.sampling.lattice import Box, Lattice
+from tusqh.sampling.placement import Placement
+from tusqh.settings.sampling import Sampling
+
+#: The corner stays where its volume error is at most this: faces on grid planes are exact there.
+_GOOD = 0.01
+#: Placements whose errors differ by less are equally good.
+_EQUAL = 0.001
+#: How near the threshold a fraction is not robust, in parts of a cell.
+_NEAR = 0.125
+#: Walls that a placement drops hold at most this part of the material, or as much as at the corner.
+_LOST = 0.01
+
+
+@dataclass(frozen=True)
+class _Counts:
+    """What each placement keeps; shapes (S, S, S), or (S, 1, S) in the plane.
+
+    Parameters
+    ----------
+    kept
+        Numbers of kept cells a little below, at and a little above the threshold, shape (3, ...).
+    near
+        Numbers of cells whose fraction is near the threshold.
+    lost
+        Material in cells that are dropped, with all neighbours, a little above the threshold, in
+        cells: walls that are gone.
+    """
+
+    kept: IntArray
+    near: IntArray
+    lost: FloatArray
+
+
+def place_grid(
+    geometry: Surface,
+    grid: BackgroundGrid,
+    volume: float,
+    *,
+    sampling: Sampling,
+    window: Box | None = None,
+    threshold: float = 0.5,
+) -> tuple[BackgroundGrid, Placement]:
+    """Return the grid where its kept cells have the volume of the geometry, as nearly as possible.
+
+    The grid stays where it is if its volume error is at most 1 %.  Otherwise, of the placements
+    that differ by whole samples, that with the least error is taken, errors that differ by less
+    than 0.1 % being equal; then the one with fewest cells near the threshold; then the one that
+    moves along fewest axes.  A placement counts only if its error at the threshold is not above
+    that of the grid as given, it keeps some cells, and no more walls are gone than at the corner.
+
+    Parameters
+    ----------
+    geometry
+        The geometry, its parts turned.
+    grid
+        The grid at the corner of the box.
+    volume
+        The volume that the kept cells should have, in model units.
+    sampling
+        How fractions are sampled.
+    window
+        Box to mesh in, in model units; None: the bounding box.
+    threshold
+        Fractions of at least this are kept.
+
+    Returns
+    -------
+    grid
+        The grid, of the same cell size, with at most one more cell along each axis.
+    placement
+        How far it was moved and what that does to the volume.
+    """
+    stays = Placement((0,) * grid.dim, sampling.samples, threshold=threshold)
+    reason = _find_obstacle(volume, sampling, window)
+    if reason:
+        return grid, Placement(stays.moved, stays.samples, reason=reason)
+    counts = _count(geometry, grid, sampling, window, threshold)
+    errors = np.abs(counts.kept * grid.cell_size**grid.dim / volume - 1)
+    robust = errors.max(axis=0)
+    corner = chosen = (0, 0, 0)
+    if robust[corner] > _GOOD:
+        may = (errors[1] <= errors[1][corner]) & (robust <= robust[corner])
+        material = volume / grid.cell_size**grid.dim
+        may &= counts.lost <= max(_LOST * material, counts.lost[corner])
+        may &= (counts.kept > 0).all(axis=0)
+        may[corner] = True
+        chosen = _best(may, robust, counts)
+    moved = tuple(k for k, n in zip(chosen, robust.shape, strict=True) if n > 1)
+    placement = Placement(
+        moved,
+        sampling.samples,
+        tried=robust.size,
+        threshold=threshold,
+        reference_volume=volume,
+        error=float(robust[chosen]),
+        corner_error=float(robust[corner]),
+    )
+    return move_grid(grid, window or geometry.bounding_box(), placement), placement
+
+
+def move_grid(grid: BackgroundGrid, box: Box, placement: Placement) -> BackgroundGrid:
+    """Return a grid moved by part of a cell, with the cells that still cover a box.
+
+    Parameters
+    ----------
+    grid
+        The grid at the corner.
+    box
+        What it covers, in model units.
+    placement
+        How far it is moved.
+
+    Examples
+    --------
+    >>> grid = BackgroundGrid((4, 4), 1.0, (0.0, 0.0))
+    >>> move_grid(grid, ((0.0, 0.0), (4.0, 4.0)), Placement((1, 0), 4))
+    BackgroundGrid(shape=(5, 4), cell_size=1.0, origin=(-0.75, 0.0))
+    """
+    shape, origin = list(grid.shape), list(grid.origin)
+    for axis, step in enumerate(placement.moved):
+        if step == 0:
+            continue
+        slack = 1e-9 * grid.cell_size
+        low, high = box[0][axis], box[1][axis]
+        origin[axis] += grid.cell_size * step / placement.samples
+        if origin[axis] > low + slack:
+            origin[axis] -= grid.cell_size
+            shape[axis] += 1
+        if origin[axis] + (shape[axis] - 1) * grid.cell_size >= high - slack:
+            shape[axis] -= 1
+    return BackgroundGrid(tuple(shape), grid.cell_size, tuple(origin))
+
+
+def _find_obstacle(volume: float, sampling: Sampling, window: Box | None) -> str:
+    """Return why a grid cannot be moved, empty where it can."""
+    if sampling.domain == "outside" and window is None:
+        return "without a window, the domain outside ends where the grid does"
+    return "" if volume > 0 else "the volume that the mesh should have is unknown"
+
+
+def _best(may: FloatArray, robust: FloatArray, counts: _Counts) -> tuple[int, int, int]:
+    """Return the best of the placements that may be taken."""
+    places = np.argwhere(may)
+    of = tuple(places.T)
+    keys = (
+        (places > 0).sum(axis=1),
+        np.rint(100 * counts.near[of] / counts.kept[1][of]),
+        np.rint(robust[of] / _EQUAL),
+    )
+    a, b, c = places[np.lexsort(keys)[0]].tolist()
+    return a, b, c
+
+
+def _count(
+    geometry: Surface,
+    grid: BackgroundGrid,
+    sampling: Sampling,
+    window: Box | None,
+    threshold: float,
+) -> _Counts:
+    """Return what every placement of a grid keeps."""
+    field = CrossingField(*close(geometry), max(sampling.tolerance, 1e-4))
+    lattice = Lattice.over_grid(grid.padded(), sampling.samples, window)
+    sign = _sign(field, lattice, sampling)
+    single = lattice.of_samples()
+    shape = tuple(1 if n == 1 else sampling.samples for n in single.n_blocks.tolist())
+    counts = _Counts(
+        np.zeros((3, *shape), dtype=np.int64), np.zeros(shape, dtype=np.int64), np.zeros(shape)
+    )
+    least = 0.5 / np.prod(shape)
+    levels = threshold + np.array([-least, -RESOLUTION, least])
+    n_places = int(single.n_blocks[0]) - shape[0] + 1
+    step = max(shape[0], SAMPLES_AT_A_TIME // int(single.n_blocks[1] * single.n_blocks[2]))
+    for begin in range(0, n_places, step):
+        end = min(begin + step, n_places)
+        first, last = max(begin - shape[0], 0), min(end + shape[0], n_places)
+        values = sign * field.sums(single, first, last + shape[0] - 1)
+        values = _of_domain(values, single, first, sampling)
+        for axis, width in enumerate(shape):
+            values = _moving_mean(values, axis, width)
+        _tally(values, first, begin, end, levels, counts.kept, counts.near, counts.lost)
+    return counts
+
+
+def _sign(field: CrossingField, lattice: Lattice, sampling: Sampling) -> int:
+    """Return -1 where the winding number is to be turned."""
+    if sampling.orientation != "auto":
+        return -1 if sampling.orientation == "flip" else 1
+    n = int(lattice.n_blocks[0])
+    step = max(16, SAMPLES_AT_A_TIME // int(lattice.n_blocks[1] * lattice.n_blocks[2]) // 16 * 16)
+    total = sum(float(field.sums(lattice, k, min(k + step, n)).sum()) for k in range(0, n, step))
+    return -1 if total < 0 else 1
+
+
+def _of_domain(values: FloatArray, lattice: Lattice, begin: int, sampling: Sampling) -> FloatArray:
+    """Return the material at samples, by the domain and the rule; 0 beyond the window."""
+    is_outside = sampling.domain == "outside"
+    if is_outside:
+        counted = lattice.coverage()
+        counted[0] = counted[0][begin : begin + len(values)]
+        covered = counted[0][:, None, None] * counted[1][:, None] * counted[2]
+        values = covered - values
+    return np.clip(values, 0.0, 1.0) if sampling.rule == "clamped" else values
+
+
+def _moving_mean(values: FloatArray, axis: int, width: int) -> FloatArray:
+    """Return the means of `width` neighbours along an axis."""
+    n = values.shape[axis] - width + 1
+    total = values[(slice(None),) * axis + (slice(0, n),)].copy()
+    for k in range(1, width):
+        total += values[(slice(None),) * axis + (slice(k, k + n),)]
+    total /= width
+    return total
+
+
+@numba.njit(cache=True)
+def _tally(
+    fractions: FloatArray,
+    first: int,
+    begin: int,
+    end: int,
+    levels: FloatArray,
+    kept: IntArray,
+    near: IntArray,
+    lost: FloatArray,
+) -> None:
+    """Count, for each placement, the cells that start at the samples ``begin <= i < end`` along x.
+
+    The fractions begin at the sample ``first``, so that neighbours of these cells are there.
+    """
+    n_x, n_y, n_z = near.shape
+    m_x, m_y, m_z = fractions.shape
+    for i in range(begin - first, end - first):
+        a = (first + i) % n_x
+        for j in range(m_y):
+            b = j % n_y
+            for k in range(m_z):
+                c = k % n_z
+                fraction = fractions[i, j, k]
+                for level in range(3):
+                    if fraction >= levels[level]:
+                        kept[level, a, b, c] += 1
+                if fraction > 0 and abs(fraction - levels[1]) < _NEAR:
+                    near[a, b, c] += 1
+                if 0 < fraction < levels[2]:
+                    nearby = 0.0
+                    if i >= n_x:
+                        nearby = max(nearby, fractions[i - n_x, j, k])
+                    if i + n_x < m_x:
+                        nearby = max(nearby, fractions[i + n_x, j, k])
+                    if j >= n_y:
+                        nearby = max(nearby, fractions[i, j - n_y, k])
+                    if j + n_y < m_y:
+                        nearby = max(nearby, fractions[i, j + n_y, k])
+                    if k >= n_z:
+                        nearby = max(nearby, fractions[i, j, k - n_z])
+                    if k + n_z < m_z:
+                        nearby = max(nearby, fractions[i, j, k + n_z])
+                    if nearby < levels[2]:
+                        lost[a, b, c] += fraction

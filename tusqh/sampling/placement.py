@@ -1,0 +1,83 @@
+"""Where the background grid was put, and what that does to the volume."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from fractions import Fraction
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Placement:
+    """The result of trying the grid in several places.
+
+    Parameters
+    ----------
+    moved
+        How far the grid was moved along each axis, in samples; all 0: it stays at the corner.
+    samples
+        Samples along each side of a cell.
+    tried
+        Number of placements that were tried; 0 where the grid cannot be moved.
+    threshold
+        The threshold at which volumes were compared.
+    reference_volume
+        The volume that they were compared with, in model units.
+    error, corner_error
+        Relative difference of the volume of the kept cells, here and at the corner; the larger
+        one of keeping and dropping the cells whose fraction is the threshold itself.
+    reason
+        Why the grid cannot be moved; empty where it can.
+    """
+
+    moved: tuple[int, ...]
+    samples: int
+    tried: int = 0
+    threshold: float = 0.5
+    reference_volume: float = 0.0
+    error: float = 0.0
+    corner_error: float = 0.0
+    reason: str = ""
+
+    @property
+    def is_moved(self) -> bool:
+        """Whether the grid is not at the corner."""
+        return any(self.moved)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the placement as plain values, for JSON."""
+        return asdict(self) | {"moved": list(self.moved)}
+
+    @classmethod
+    def from_dict(cls, values: dict[str, Any]) -> Placement:
+        """Return the placement that `to_dict` described.
+
+        Parameters
+        ----------
+        values
+            The fields by name.
+        """
+        return cls(**{**values, "moved": tuple(values["moved"])})
+
+    def __str__(self) -> str:
+        """Return the placement in words.
+
+        Examples
+        --------
+        >>> print(Placement((1, 2, 1), 4, 64, error=0.008, corner_error=0.041))
+        moved by (1/4, 1/2, 1/4) of a cell: volume error 0.8 % rather than 4.1 %
+        """
+        if self.reason:
+            return f"at the corner: {self.reason}"
+        if not self.is_moved:
+            return f"at the corner: volume error {_percent(self.error)}, {self.tried} places tried"
+        moved = ", ".join(str(Fraction(step, self.samples)) for step in self.moved)
+        return (
+            f"moved by ({moved}) of a cell: volume error {_percent(self.error)} rather than "
+            f"{_percent(self.corner_error)}"
+        )
+
+
+def _percent(share: float) -> str:
+    """Return a share in percent, with one digit."""
+    return f"{100 * share:.1f} %"
