@@ -23,6 +23,7 @@ OTHERS = {
     "formats",
     "gate",
     "labels",
+    "logs",
     "memory",
     "ply_header",
     "gltf_file",

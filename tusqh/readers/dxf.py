@@ -23,6 +23,7 @@ from tusqh.geometry.outline import Outline
 from tusqh.geometry.remark import Remark
 from tusqh.grid import FloatArray
 from tusqh.readers.curves import CHORD_TOLERANCE, flatten_curve
+from tusqh.readers.logs import collect_logs, remarks_on_logs
 from tusqh.readers.loose import join_loose
 from tusqh.readers.reading import Reading
 
@@ -61,14 +62,16 @@ def read(path: Path) -> Reading:
     GeometryError
         The outline is empty, without extent or not finite.
     """
-    document = readfile(path)
+    with collect_logs("ezdxf") as texts:
+        document = readfile(path)
     hidden = {
         layer.dxf.name.lower() for layer in document.layers if layer.is_off() or layer.is_frozen()
     }
     found = [(e, _reason_to_skip(e, hidden)) for e in _exploded(document.modelspace())]
     entities = [entity for entity, reason in found if not reason]
     skipped = Counter(reason for _, reason in found if reason)
-    remarks = [Remark("left out", what, skipped[what]) for what in sorted(skipped)]
+    remarks = remarks_on_logs("ezdxf", texts)
+    remarks += [Remark("left out", what, skipped[what]) for what in sorted(skipped)]
     n_paper = sum(len(layout) for layout in document.layouts if not layout.is_modelspace)
     if n_paper:
         remarks.append(Remark("left out", "entities of paper layouts", n_paper))

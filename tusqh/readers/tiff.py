@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import logging
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +15,7 @@ from tusqh.extras import require
 from tusqh.geometry.remark import Remark
 from tusqh.readers.axes import take_space
 from tusqh.readers.gate import require_memory
+from tusqh.readers.logs import collect_logs, remarks_on_logs
 from tusqh.readers.reading import Reading
 from tusqh.readers.tiff_pages import check_data, count_pages
 from tusqh.readers.tiff_sizes import voxel_sides
@@ -52,7 +50,7 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
         the voxels are not cubes, or the stack is not an image, see `tusqh.geometry.image.Image`.
     """
     count_pages(path)
-    with _warnings() as warnings, tifffile.TiffFile(path) as file:
+    with collect_logs("tifffile") as texts, tifffile.TiffFile(path) as file:
         try:
             voxels, axes, n_empty = _stack(path, file)
         except ValueError as error:  # tifffile does without imagecodecs where it can.
@@ -66,7 +64,7 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
         remarks += _remark_on_page(file.pages[0])
     if n_empty:
         remarks.append(Remark("noted", "parts of pages without data, read as 0", n_empty))
-    remarks += [Remark("noted", f"warning of tifffile: {text}", 1) for text in warnings]
+    remarks += remarks_on_logs("tifffile", texts)
     others = [_OTHERS.get(axis, "" if axis in "XYZ" else f"entries along {axis}") for axis in axes]
     voxels = take_space(str(path), voxels, others, channel=meaning.channel)
     left = [axis for axis, other in zip(axes, others, strict=True) if not other]
@@ -140,31 +138,3 @@ def _remark_on_page(page: Any) -> list[Remark]:
         what = f"tag Orientation {int(turned.value)}: rows and columns are read as they are stored"
         remarks.append(Remark("left out", what, 1, "export the stack without turning its pages"))
     return remarks
-
-
-class _Collector(logging.Handler):
-    """Keeps the messages of tifffile."""
-
-    def __init__(self) -> None:
-        super().__init__(logging.WARNING)
-        self.texts: list[str] = []
-
-    def emit(self, record: logging.LogRecord) -> None:
-        """Keep a message once."""
-        text = record.getMessage().splitlines()[0]
-        if text not in self.texts and len(self.texts) < 5:
-            self.texts.append(text)
-
-
-@contextmanager
-def _warnings() -> Iterator[list[str]]:
-    """Collect what tifffile logs, instead of writing it to standard error."""
-    logger, collector = logging.getLogger("tifffile"), _Collector()
-    was_open = logger.propagate
-    logger.addHandler(collector)
-    logger.propagate = False
-    try:
-        yield collector.texts
-    finally:
-        logger.removeHandler(collector)
-        logger.propagate = was_open

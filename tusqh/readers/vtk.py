@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pyvista
+from vtkmodules.vtkCommonCore import vtkLogger
 
 from tusqh.geometry.soup import Soup
+from tusqh.readers.logs import collect_logs
 from tusqh.readers.polygon_faces import damaged
 from tusqh.readers.reading import Reading
 from tusqh.readers.surfaces import surfaces_of_dataset
@@ -40,7 +44,7 @@ def read(path: Path) -> Reading:
         raise damaged(
             path, "the file ends before `</VTKFile>`", expected="a complete VTK file in XML"
         )
-    with pyvista.VtkErrorCatcher() as catcher:
+    with _quiet(), collect_logs("root"), pyvista.VtkErrorCatcher(send_to_logging=False) as catcher:
         dataset = pyvista.read(path)
     if catcher.error_events:
         found = str(catcher.error_events[0].alert).strip().splitlines()
@@ -51,3 +55,13 @@ def read(path: Path) -> Reading:
         )
     parts, remarks = surfaces_of_dataset(dataset, name=str(path))
     return Reading(Soup.from_parts(parts, name=path.name), tuple(remarks))
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep what VTK logs from standard error; the error that is raised says it."""
+    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
+    try:
+        yield
+    finally:
+        vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_INFO)
