@@ -11,7 +11,7 @@ from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.soup import Soup
 from tusqh.geometry.soup_facts import SoupFacts
 from tusqh.meshes.checks import Check
-from tusqh.quality.thickness import Thickness, measure_thickness
+from tusqh.quality.thickness import measure_thickness
 from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.reference import Reference
@@ -23,7 +23,10 @@ FAR_OFF = 0.5
 _SMALL = 2
 
 #: The least part of what is counted that is worth a warning.
-_AMBIGUOUS, _INCONSISTENT, _TIED = 0.1, 0.01, 0.05
+_AMBIGUOUS, _INCONSISTENT, _TIED, _THIN = 0.1, 0.01, 0.05, 0.1
+
+#: The least part of the material that is in thin walls; coasts in the plane are rough at any scale.
+_THIN_MATERIAL = {2: 0.1, 3: 0.01}
 
 
 def compare_with_geometry(
@@ -56,7 +59,8 @@ def compare_with_geometry(
     """
     geometry = reference.geometry or geometry
     size = fractions.grid.cell_size
-    checks = [_volume(resolved, reference, geometry, size, tolerance)]
+    thin = _thin_walls(reference, geometry, size)
+    checks = [_volume(resolved, reference, thin, tolerance), *thin]
     checks += _small_components(resolved.cells, fractions)
     checks += _ties(resolved.cells, fractions)
     if reference.ambiguity > _AMBIGUOUS:
@@ -75,9 +79,7 @@ def compare_with_geometry(
     return checks
 
 
-def _volume(
-    resolved: Resolved, reference: Reference, geometry: Geometry, size: float, tolerance: float
-) -> Check:
+def _volume(resolved: Resolved, reference: Reference, thin: list[Check], tolerance: float) -> Check:
     name = f"{'area' if resolved.mesh.dim == 2 else 'volume'} of the mesh"
     required = f"within {100 * tolerance:g} % of {reference.source}"
     if reference.volume <= 0:
@@ -92,10 +94,8 @@ def _volume(
     error = abs(ratio - 1)
     remedy = ""
     if error > tolerance:
-        thin = measure_thickness(geometry)
         remedy = "use smaller cells (`--cells`), another threshold, or `--match-volume`"
-        if thin is not None and thin.share_below(size) > 0.1:
-            remedy = _describe_thin(thin, size)
+        remedy = "; ".join(f"{check.found}: {check.remedy}" for check in thin) or remedy
     features = resolved.cells.features
     is_component = features["feature"] == "component"
     given_up = float(features["volume"].where(is_component, -features["volume"]).sum())
@@ -113,11 +113,28 @@ def _volume(
     )
 
 
-def _describe_thin(thin: Thickness, size: float) -> str:
-    return (
-        f"{100 * thin.share_below(size):.0f} % of the surface bounds walls thinner than a cell of "
-        f"{size:.4g}: use `--cell-size {thin.resolving:.3g}`, which resolves them"
+def _thin_walls(reference: Reference, geometry: Geometry, size: float) -> list[Check]:
+    """Return a warning where much of the surface bounds walls thinner than a cell."""
+    if reference.volume <= 0 or reference.ambiguity > _AMBIGUOUS:
+        return []
+    thickness = measure_thickness(
+        geometry, is_outside=reference.is_outside, window=reference.window
     )
+    share = 0.0 if thickness is None else thickness.share_below(size)
+    if thickness is None or share <= _THIN:
+        return []
+    dim = len(geometry.bounding_box()[0])
+    if thickness.material_below(size) <= _THIN_MATERIAL[dim] * reference.volume:
+        return []
+    return [
+        _warning(
+            "thin_walls",
+            "walls thinner than a cell",
+            f"{100 * share:.0f} % of the surface bounds walls thinner than a cell of {size:.4g}",
+            f"<= {100 * _THIN:g} % of the surface",
+            f"use `--cell-size {thickness.resolving:.3g}`, which resolves them",
+        )
+    ]
 
 
 def _small_components(cells: CellSet, fractions: VolumeFractions) -> list[Check]:

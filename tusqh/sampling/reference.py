@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -38,13 +38,19 @@ class Reference:
         Where the volume depends on what counts as inside: samples with a winding number between
         1/4 and 3/4 over samples inside; 0 for closed surfaces.
     geometry
-        The geometry with its parts turned as they were for sampling.
+        The geometry turned as it was for sampling, so that its facets point outwards.
+    is_outside
+        Whether the material is what the geometry leaves out.
+    window
+        Box outside of which there is no material, in model units.
     """
 
     volume: float
     source: str
     ambiguity: float = 0.0
     geometry: Geometry | None = field(default=None, repr=False, compare=False)
+    is_outside: bool = field(default=False, repr=False)
+    window: Box | None = field(default=None, repr=False)
 
 
 def find_reference(
@@ -91,18 +97,21 @@ def find_reference(
     counted = _count(winding, lattice)
     is_outside = sampling.domain == "outside"
     sign = -1 if counted.is_flipped(sampling) else 1
+    outwards = geometry if sign > 0 else _reversed(geometry)
     what = "area" if grid.dim == 2 else "volume"
     size = (grid.cell_size / samples) ** grid.dim
     if len(cap) == 0 and counted.is_simple(sign) and _lies_in(geometry, grid, window):
         exact = sign * signed_volume(geometry)
         of_window = _volume_of_window(grid, window)
         volume = of_window - exact if is_outside else exact
-        return Reference(max(volume, 0.0), f"the exact {what}", geometry=geometry)
+        source = f"the exact {what}"
+        return Reference(max(volume, 0.0), source, 0.0, outwards, is_outside, window)
     n_inside = counted.n_above if sign > 0 else counted.n_below
     if is_outside:
         n_inside = counted.n_samples - n_inside
     source = f"the {what} where the winding number is at least 1/2"
-    return Reference(n_inside * size, source, counted.n_between / max(n_inside, 1), geometry)
+    ambiguity = counted.n_between / max(n_inside, 1)
+    return Reference(n_inside * size, source, ambiguity, outwards, is_outside, window)
 
 
 def signed_volume(geometry: Surface) -> float:
@@ -165,6 +174,13 @@ def _count(field: CrossingField, lattice: Lattice) -> _Counted:
         lowest, highest = min(lowest, float(slab.min())), max(highest, float(slab.max()))
     n_samples = int(np.prod(lattice.last - lattice.first))
     return _Counted(total, lowest, highest, n_above, n_below, n_between, n_samples)
+
+
+def _reversed(geometry: Surface) -> Surface:
+    """Return a geometry with every facet turned."""
+    if isinstance(geometry, Outline):
+        return replace(geometry, segments=geometry.segments[:, ::-1])
+    return replace(geometry, triangles=geometry.triangles[:, ::-1])
 
 
 def _samples_along(grid: BackgroundGrid, samples: int) -> int:
