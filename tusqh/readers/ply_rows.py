@@ -64,8 +64,8 @@ def read_rows(header: Header, body: bytes, path: Path) -> tuple[dict[str, Column
     return columns, len(body) - place
 
 
-def count_lists(values: FloatArray, n_lists: int) -> tuple[int, int]:
-    """Return how many lists are whole, each after its number of entries, and where they end.
+def count_lists(values: FloatArray, n_lists: int) -> tuple[IntArray, int]:
+    """Return the numbers of entries of lists, each of which follows its number, and their end.
 
     Parameters
     ----------
@@ -76,17 +76,20 @@ def count_lists(values: FloatArray, n_lists: int) -> tuple[int, int]:
 
     Returns
     -------
-    n_whole, end : int
-        Number of whole lists, and the place after the last one.
+    counts : numpy.ndarray
+        Number of entries of every list that is whole, shape (n_whole,).
+    end : int
+        The place after the last one.
 
     Examples
     --------
-    >>> count_lists(np.array([2.0, 7, 8, 1, 9]), 2)
-    (2, 5)
+    >>> counts, end = count_lists(np.array([2.0, 7, 8, 1, 9]), 2)
+    >>> counts.tolist(), end
+    ([2, 1], 5)
     """
     is_list = np.ones(1, dtype=np.bool_)
-    _, _, end, n_whole = _walk_words(values, 0, min(n_lists, len(values)), is_list)
-    return int(n_whole), int(end)
+    _, counts, end, n_whole = _walk_words(values, 0, min(n_lists, len(values)), is_list)
+    return counts[:n_whole, 0], int(end)
 
 
 def _from_words(
@@ -108,7 +111,7 @@ def _from_words(
     _require(element, n_whole if n_rows == element.n_rows else n_rows, path)
     result: Columns = {}
     for k, p in enumerate(element.properties):
-        entries = _rounded(values[_spread(starts[:, k], counts[:, k], 1)], p.type)
+        entries = _rounded(values[spread(starts[:, k], counts[:, k], 1)], p.type)
         result[p.name] = Lists(entries, counts[:, k]) if is_list[k] else entries
     return result, int(end)
 
@@ -136,7 +139,7 @@ def _from_bytes(
     _require(element, n_whole if n_rows == element.n_rows else n_rows, path)
     result: Columns = {}
     for k, p in enumerate(element.properties):
-        places = _spread(starts[:, k], counts[:, k], sizes[k])
+        places = spread(starts[:, k], counts[:, k], sizes[k])
         chosen = data[places[:, None] + np.arange(sizes[k])]
         entries = chosen.reshape(-1).view(order + p.type).astype(np.float64)
         result[p.name] = Lists(entries, counts[:, k]) if p.count_type else entries
@@ -159,8 +162,23 @@ def _require(element: Element, n_found: int, path: Path) -> None:
         )
 
 
-def _spread(starts: IntArray, counts: IntArray, step: int) -> IntArray:
-    """Return starts, starts + step, ... with the given number of terms, one after the other."""
+def spread(starts: IntArray, counts: IntArray, step: int) -> IntArray:
+    """Return starts, starts + step, ... with the given number of terms, one after the other.
+
+    Parameters
+    ----------
+    starts
+        First terms, shape (n,).
+    counts
+        Numbers of terms, shape (n,).
+    step
+        Difference between two terms.
+
+    Examples
+    --------
+    >>> spread(np.array([5, 20]), np.array([3, 1]), 2).tolist()
+    [5, 7, 9, 20]
+    """
     first = np.cumsum(counts) - counts
     rank = np.arange(int(counts.sum())) - np.repeat(first, counts)
     return np.repeat(starts, counts) + step * rank

@@ -92,7 +92,7 @@ def surfaces_of_dataset(dataset: Any, *, name: str = "dataset") -> tuple[list[Pa
         dataset, remarks = _without_boundary_elements(dataset, name)
     if isinstance(dataset, pyvista.PolyData):
         for cells in (dataset.GetPolys(), dataset.GetStrips()):
-            _require_corners(_array(cells.GetConnectivityArray()), dataset.n_points, name)
+            _require_corners(cells, dataset.n_points, name)
     else:
         dataset = dataset.extract_surface(pass_pointid=False, pass_cellid=False, algorithm=None)
     faces = dataset.triangulate().faces.reshape(-1, 4)[:, 1:]
@@ -105,7 +105,7 @@ def _without_boundary_elements(dataset: Any, name: str) -> tuple[Any, list[Remar
     cells = dataset.GetCells()
     corners = _array(cells.GetConnectivityArray())
     offsets = _array(cells.GetOffsetsArray())
-    _require_corners(corners, dataset.n_points, name)
+    _require_corners(cells, dataset.n_points, name)
     kinds, counts = np.asarray(dataset.celltypes), np.diff(offsets)
     for kind in np.unique(kinds).tolist():
         wanted = _CORNERS.get(kind)
@@ -135,8 +135,12 @@ def _array(array: Any) -> IntArray:
     return np.asarray(require("pyvista", extra="formats").convert_array(array), dtype=np.int64)
 
 
-def _require_corners(corners: IntArray, n_points: int, name: str) -> None:
-    """Raise where a corner is not a point: VTK would read beyond its memory."""
+def _require_corners(cells: Any, n_points: int, name: str) -> None:
+    """Raise where a corner or an offset does not exist: VTK would read beyond its memory."""
+    corners, offsets = _array(cells.GetConnectivityArray()), _array(cells.GetOffsetsArray())
+    ends = offsets[[0, -1]].tolist() if len(offsets) else [0, len(corners)]
+    if ends != [0, len(corners)] or (np.diff(offsets) < 0).any():
+        raise _damaged_cells(f"offsets do not rise from 0 to {len(corners)}", name)
     if len(corners) and not 0 <= corners.min() <= corners.max() < n_points:
         raise _damaged_cells(f"a corner is out of the range 0 .. {n_points - 1}", name)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,12 +11,16 @@ import pyvista
 from vtkmodules.vtkCommonCore import vtkLogger
 
 from tusqh.geometry.soup import Soup
+from tusqh.readers.gate import require_memory
 from tusqh.readers.logs import collect_logs
 from tusqh.readers.polygon_faces import damaged
 from tusqh.readers.reading import Reading
 from tusqh.readers.surfaces import surfaces_of_dataset
 from tusqh.readers.vtk_legacy import check_legacy
 
+#: Numbers of things that a file in XML states, and bytes that each takes at least.
+_NUMBERS = re.compile(rb"\b(NumberOf\w+)\s*=\s*[\"']([^\"']*)[\"']")
+_BYTES = {"NumberOfPoints": 12, "NumberOfCells": 16, "NumberOfPolys": 16, "NumberOfStrips": 16}
 #: Bytes at the end of a file among which its last tag is.
 _TAIL = 4096
 
@@ -40,10 +45,8 @@ def read(path: Path) -> Reading:
     """
     if path.suffix.lower() == ".vtk":
         check_legacy(path)
-    elif b"</VTKFile>" not in path.read_bytes()[-_TAIL:]:
-        raise damaged(
-            path, "the file ends before `</VTKFile>`", expected="a complete VTK file in XML"
-        )
+    else:
+        _check_xml(path)
     with _quiet(), collect_logs("root"), pyvista.VtkErrorCatcher(send_to_logging=False) as catcher:
         dataset = pyvista.read(path)
     if catcher.error_events:
@@ -55,6 +58,20 @@ def read(path: Path) -> Reading:
         )
     parts, remarks = surfaces_of_dataset(dataset, name=str(path))
     return Reading(Soup.from_parts(parts, name=path.name), tuple(remarks))
+
+
+def _check_xml(path: Path) -> None:
+    """Raise where a file is cut off, or has numbers of things that VTK cannot allocate."""
+    content = path.read_bytes()
+    expected = "a complete VTK file in XML"
+    if b"</VTKFile>" not in content[-_TAIL:]:
+        raise damaged(path, "the file ends before `</VTKFile>`", expected=expected)
+    for name, value in _NUMBERS.findall(content.partition(b"<AppendedData")[0]):
+        if not re.fullmatch(rb"\s*\d{1,15}\s*", value):
+            shown = b"=".join((name, value[:20])).decode(errors="replace")
+            raise damaged(path, f"it states {shown}", expected=expected)
+        need = _BYTES.get(name.decode(), 1) * int(value)
+        require_memory(path, need, what=f"{name.decode()}={int(value)}")
 
 
 @contextmanager

@@ -5,6 +5,7 @@ VTK reads a file that is cut off into memory that was never filled, and may cras
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -49,11 +50,15 @@ class _Walk:
         self.path = path
         self.rest = path.read_bytes()
         self.n_rows = 0
+        self.n_points = self.n_cells = 0
+        self.highest_corner = -1
         head = [self.line() for _ in range(3)]
         self.is_binary = head[2].strip().upper() == "BINARY"
         is_known = self.is_binary or head[2].strip().upper() == "ASCII"
-        if not head[0].startswith("# vtk DataFile Version") or not is_known:
+        version = re.fullmatch(r"# vtk DataFile Version +(\d)\.(\d{1,2})\s*", head[0])
+        if version is None or not is_known:
             raise self.fault(f"the file begins with {head[0][:40]!r}")
+        self.has_offsets = int(version[1]) >= 5
 
     def run(self) -> None:
         """Walk all sections."""
@@ -66,6 +71,10 @@ class _Walk:
                 self.section(words)
             except (IndexError, ValueError, KeyError) as error:
                 raise self.fault(f"a section begins with {line[:60]!r}") from error
+        if self.highest_corner >= self.n_points:
+            raise self.fault(
+                f"a cell has the corner {self.highest_corner}, and there are {self.n_points} points"
+            )
 
     def section(self, words: list[str]) -> None:
         """Walk the section with a certain first line."""
@@ -74,10 +83,13 @@ class _Walk:
             return
         if keyword in ("points", "x_coordinates", "y_coordinates", "z_coordinates"):
             width = 3 if keyword == "points" else 1
+            self.n_points = int(words[1])
             self.take(width * int(words[1]), words[2], keyword)
         elif keyword in _CELLS:
             self.cells(keyword, int(words[1]), int(words[2]))
         elif keyword == "cell_types":
+            if int(words[1]) != self.n_cells:
+                raise self.fault(f"{words[1]} types belong to {self.n_cells} cells")
             self.take(int(words[1]), "int", keyword)
         elif keyword in ("point_data", "cell_data"):
             self.n_rows = int(words[1])
@@ -120,15 +132,30 @@ class _Walk:
 
     def cells(self, keyword: str, n: int, size: int) -> None:
         """Walk cells, in the form of version 5 (offsets) or before (a count before each cell)."""
-        if self.rest.lstrip()[:7].lower() == b"offsets":
+        if (self.rest.lstrip()[:7].lower() == b"offsets") != self.has_offsets:
+            raise self.fault(f"`{keyword}` is not written as the version of the file says")
+        if self.has_offsets:
+            arrays = []
             for count in (n, size):
                 self.rest = self.rest.lstrip()
-                self.take(count, self.line().lower().split()[1], keyword)
-            return
-        values = self.take(size, "int", keyword)
-        n_whole, end = count_lists(values, n)
-        if (n_whole, end) != (n, size):
-            raise self.fault(f"`{keyword}` promises {n} cells, the file holds {n_whole}")
+                arrays.append(self.take(count, self.line().lower().split()[1], keyword))
+            starts, corners = arrays
+            ends = starts[:1].tolist() + starts[-1:].tolist()
+            if ends not in ([], [0, size]) or (np.diff(starts) < 0).any():
+                raise self.fault(f"the offsets of `{keyword}` do not rise from 0 to {size}")
+            self.n_cells = max(n - 1, 0)
+        else:
+            values = self.take(size, "int", keyword)
+            counts, end = count_lists(values, n)
+            if (len(counts), end) != (n, size):
+                raise self.fault(f"`{keyword}` promises {n} cells, the file holds {len(counts)}")
+            is_corner = np.ones(size, dtype=np.bool_)
+            is_corner[np.cumsum(counts + 1) - counts - 1] = False
+            corners = values[is_corner]
+            self.n_cells = n
+        if len(corners) and corners.min() < 0:
+            raise self.fault(f"`{keyword}` has the corner {corners.min():g}")
+        self.highest_corner = max(self.highest_corner, int(corners.max(initial=-1)))
 
     def take(self, n: int, kind: str, what: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
         """Walk some numbers, and return them."""
