@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tusqh.errors import GeometryError
 from tusqh.geometry.remark import Remark
@@ -126,7 +127,7 @@ def without_byte_order_mark(content: bytes, path: Path) -> bytes:
     return content.removeprefix(b"\xef\xbb\xbf")
 
 
-def numbers_of(words: Sequence[bytes], path: Path, *, what: str) -> FloatArray:
+def numbers_of(words: Sequence[bytes] | NDArray[np.bytes_], path: Path, *, what: str) -> FloatArray:
     """Return words as numbers.
 
     Parameters
@@ -143,7 +144,7 @@ def numbers_of(words: Sequence[bytes], path: Path, *, what: str) -> FloatArray:
     GeometryError
         A word is not a number.
     """
-    if max(map(len, words), default=0) <= _LONGEST_NUMBER:
+    if isinstance(words, np.ndarray) or max(map(len, words), default=0) <= _LONGEST_NUMBER:
         try:
             return np.array(words, dtype=np.bytes_).astype(np.float64)
         except ValueError:
