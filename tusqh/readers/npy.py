@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from tusqh.errors import GeometryError
-from tusqh.readers.axes import take_space
 from tusqh.readers.reading import Reading
-from tusqh.readers.voxels import image_of, remark_on_thin_axis
+from tusqh.readers.voxels import image_in_file
 from tusqh.settings.voxels import Voxels
 
 
@@ -44,11 +43,4 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
             expected="one array, as long as its header says",
             remedy="write it again with `numpy.save`, one array in each file",
         )
-    take_space(str(path), voxels, [""] * voxels.ndim, channel=meaning.channel)
-    return image_of(
-        str(path),
-        voxels,
-        name=path.name,
-        meaning=meaning,
-        remarks=remark_on_thin_axis(voxels.shape),
-    )
+    return image_in_file(path, voxels, meaning=meaning)

@@ -19,10 +19,9 @@ from tusqh.errors import GeometryError
 from tusqh.geometry.remark import Remark
 from tusqh.grid import FloatArray
 from tusqh.machine import available_memory
-from tusqh.readers.axes import take_space
 from tusqh.readers.gate import check_part, require_memory
 from tusqh.readers.reading import Reading
-from tusqh.readers.voxels import image_of, remark_on_thin_axis
+from tusqh.readers.voxels import Place, image_in_file
 from tusqh.settings.voxels import Voxels
 
 #: Components of a direction up to this, relative to its length, are taken as zero.
@@ -66,23 +65,21 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
     voxels, header = nrrd.read(str(path), index_order="F")
     others = _find_others(header, voxels.ndim)
     in_space = [i for i, name in enumerate(others) if not name]
-    voxels = take_space(str(path), voxels, others, channel=meaning.channel)
     frame = _find_frame(str(path), header, in_space)
-    if voxels.ndim == 3:
-        voxels = np.flip(voxels, axis=tuple(i for i in range(3) if frame.steps[i] < 0))
-        voxels = voxels.transpose(np.argsort(frame.towards))
-    remarks = [] if "kinds" in header else remark_on_thin_axis(voxels.shape)
-    remarks += _remark_on_last_number(path, header)
     order = np.argsort(frame.towards)
-    return image_of(
-        str(path),
+    return image_in_file(
+        path,
         voxels,
-        name=path.name,
         meaning=meaning,
-        sides=np.abs(frame.steps)[order].tolist(),
-        origin=_lowest_corner(frame, voxels.shape),
-        unit=_unit_in(header),
-        remarks=remarks,
+        axes=others,
+        arrange=frame.arrange,
+        place=Place(
+            sides=np.abs(frame.steps)[order].tolist(),
+            origin=_lowest_corner(frame, [voxels.shape[i] for i in in_space]),
+            unit=_unit_in(header),
+        ),
+        is_named="kinds" in header,
+        remarks=_remark_on_last_number(path, header),
     )
 
 
@@ -127,6 +124,13 @@ class _Frame:
     towards: NDArray[np.int64]
     #: Centre of the first voxel, None where the file does not give it.
     first: FloatArray | None = None
+
+    def arrange(self, voxels: NDArray[Any]) -> NDArray[Any]:
+        """Return an array with its axes in the order and the directions of space."""
+        if voxels.ndim != 3:  # An image of fewer axes is refused later.
+            return voxels
+        flipped = np.flip(voxels, axis=tuple(i for i in range(3) if self.steps[i] < 0))
+        return flipped.transpose(np.argsort(self.towards))
 
 
 def _find_others(header: dict[str, Any], n_axes: int) -> list[str]:
@@ -191,13 +195,13 @@ def _of_three(numbers: FloatArray, other: float) -> FloatArray:
     return np.append(numbers, [other] * 3)[:3]
 
 
-def _lowest_corner(frame: _Frame, shape: tuple[int, ...]) -> list[float]:
-    """Return the lowest corner of an image whose axes are already in the order of space."""
+def _lowest_corner(frame: _Frame, shape: list[int]) -> list[float]:
+    """Return the lowest corner of an image, given the lengths of its axes in the file."""
     if frame.first is None or len(shape) != 3:
         return [0.0, 0.0, 0.0]
     order = np.argsort(frame.towards)
     steps = frame.steps[order]
-    far = frame.first + np.where(steps < 0, steps * (np.array(shape) - 1), 0.0)
+    far = frame.first + np.where(steps < 0, steps * (np.array(shape)[order] - 1), 0.0)
     corner: list[float] = (far - np.abs(steps) / 2).tolist()
     return corner
 

@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 from tusqh.errors import GeometryError
 from tusqh.extras import require
 from tusqh.geometry.remark import Remark
-from tusqh.readers.axes import take_space
 from tusqh.readers.gate import require_memory
 from tusqh.readers.logs import collect_logs, remarks_on_logs
 from tusqh.readers.reading import Reading
 from tusqh.readers.tiff_pages import check_data, count_pages
 from tusqh.readers.tiff_sizes import voxel_sides
-from tusqh.readers.voxels import image_of, remark_on_thin_axis
+from tusqh.readers.voxels import Place, image_in_file
 from tusqh.settings.voxels import Voxels
 
 #: Axes of tifffile that are not directions of space.
@@ -49,7 +48,7 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
         The file is cut off, its pages have different shapes, an axis is not a direction of space,
         the voxels are not cubes, or the stack is not an image, see `tusqh.geometry.image.Image`.
     """
-    count_pages(path)
+    n_pages = count_pages(path)
     with collect_logs("tifffile") as texts, tifffile.TiffFile(path) as file:
         try:
             voxels, axes, n_empty = _stack(path, file)
@@ -62,24 +61,47 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
         if meaning.voxel_size is None:
             sides, unit, remarks = voxel_sides(str(path), file)
         remarks += _remark_on_page(file.pages[0])
+        orientation = _orientation_of(file.pages[0])
     if n_empty:
         remarks.append(Remark("noted", "parts of pages without data, read as 0", n_empty))
     remarks += remarks_on_logs("tifffile", texts)
+    if orientation != 1:
+        what = f"pages turned as the tag Orientation {orientation} says"
+        remarks.append(Remark("changed", what, n_pages))
+    if orientation > 4:
+        sides = [sides[1], sides[0], sides[2]]
     others = [_OTHERS.get(axis, "" if axis in "XYZ" else f"entries along {axis}") for axis in axes]
-    voxels = take_space(str(path), voxels, others, channel=meaning.channel)
     left = [axis for axis, other in zip(axes, others, strict=True) if not other]
-    voxels = voxels.transpose([left.index(axis) for axis in "XYZ" if axis in left])
-    if not set(_PAGES).isdisjoint(file.series[0].axes) or len(file.series) > 1:
-        remarks += remark_on_thin_axis(voxels.shape)
-    return image_of(
-        str(path),
+    by_axis = [left.index(axis) for axis in "XYZ" if axis in left]
+    is_named = set(_PAGES).isdisjoint(file.series[0].axes) and len(file.series) == 1
+    return image_in_file(
+        path,
         voxels,
-        name=path.name,
         meaning=meaning,
-        sides=sides,
-        unit=unit,
+        axes=others,
+        arrange=lambda stored: _upright(stored.transpose(by_axis), orientation),
+        place=Place(sides=sides, unit=unit),
+        is_named=is_named,
         remarks=remarks,
     )
+
+
+def _orientation_of(page: Any) -> int:
+    """Return the tag Orientation of a page: 1 where its first row is the top one."""
+    tag = page.tags.get("Orientation")
+    orientation = 1 if tag is None else int(tag.value)
+    if not 1 <= orientation <= 8:
+        raise ValueError(f"its tag Orientation is {orientation}, not one of 1 to 8")
+    return orientation
+
+
+def _upright(voxels: NDArray[Any], orientation: int) -> NDArray[Any]:
+    """Return pages, shape (nx, ny, ...), turned as they are to be seen."""
+    if orientation in (2, 3, 7, 8):
+        voxels = voxels[::-1]
+    if orientation in (3, 4, 6, 7):
+        voxels = voxels[:, ::-1]
+    return voxels.swapaxes(0, 1) if orientation > 4 else voxels
 
 
 def _stack(path: Path, file: Any) -> tuple[NDArray[Any], str, int]:
@@ -133,8 +155,4 @@ def _remark_on_page(page: Any) -> list[Remark]:
         remarks.append(Remark("noted", "stack in which 0 is white", 1, remedy))
     if int(page.photometric) == 3:
         remarks.append(Remark("left out", "palette of colours; its numbers are read", 1))
-    turned = page.tags.get("Orientation")
-    if turned is not None and int(turned.value) != 1:
-        what = f"tag Orientation {int(turned.value)}: rows and columns are read as they are stored"
-        remarks.append(Remark("left out", what, 1, "export the stack without turning its pages"))
     return remarks

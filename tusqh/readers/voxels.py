@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from tusqh.errors import GeometryError
 from tusqh.geometry.image import Image
 from tusqh.geometry.remark import Remark
 from tusqh.readers import labels
+from tusqh.readers.axes import take_space
 from tusqh.readers.reading import Reading
 from tusqh.settings.voxels import Voxels
 
@@ -21,15 +23,79 @@ _CUBIC = 1e-6
 _FEW = 16
 
 
+class Place(NamedTuple):
+    """Where the voxels of a file are.
+
+    Parameters
+    ----------
+    sides
+        Side lengths of a voxel along x, y and z, 1 where the file gives none.
+    origin
+        Lowest corner of voxel (0, 0, 0) in the file's unit.  A given voxel size scales it.
+    unit
+        Unit of length that the file states, empty where it states none.
+    """
+
+    sides: Sequence[float] = (1.0, 1.0, 1.0)
+    origin: Sequence[float] = (0.0, 0.0, 0.0)
+    unit: str = ""
+
+
+_UNIT_CUBES = Place()
+
+
+def image_in_file(
+    path: Path,
+    voxels: NDArray[Any],
+    *,
+    meaning: Voxels,
+    axes: Sequence[str] = (),
+    arrange: Callable[[NDArray[Any]], NDArray[Any]] | None = None,
+    place: Place = _UNIT_CUBES,
+    is_named: bool = False,
+    remarks: Sequence[Remark] = (),
+) -> Reading:
+    """Return the image that a file holds, of the axes of its array that are directions of space.
+
+    Parameters
+    ----------
+    path
+        The file.
+    voxels
+        The whole array.
+    meaning
+        The options, see `tusqh.settings.voxels.Voxels`.
+    axes
+        For each axis a plural noun, such as "channels", or "" for a direction of space; empty
+        where all of them are.
+    arrange
+        Turns and flips the axes in space into the order x, y, z.
+    place
+        Size of the voxels, lowest corner and unit.
+    is_named
+        Whether the file itself says what its axes are, so that a thin one needs no remark.
+    remarks
+        What the reader has to say.
+
+    Raises
+    ------
+    GeometryError
+        As `image_of` and `tusqh.readers.axes.take_space`.
+    """
+    voxels = take_space(str(path), voxels, axes or [""] * voxels.ndim, channel=meaning.channel)
+    voxels = arrange(voxels) if arrange else voxels
+    thin = [] if is_named else _remark_on_thin_axis(voxels.shape)
+    said = [*remarks, *thin]
+    return image_of(str(path), voxels, name=path.name, meaning=meaning, place=place, remarks=said)
+
+
 def image_of(
     where: str,
     voxels: NDArray[Any],
     *,
     name: str,
     meaning: Voxels,
-    sides: Sequence[float] = (1.0, 1.0, 1.0),
-    origin: Sequence[float] = (0.0, 0.0, 0.0),
-    unit: str = "",
+    place: Place = _UNIT_CUBES,
     remarks: Sequence[Remark] = (),
 ) -> Reading:
     """Return voxels as an image.
@@ -44,12 +110,8 @@ def image_of(
         Name of the image.
     meaning
         The options, see `tusqh.settings.voxels.Voxels`; the channel is already chosen.
-    sides
-        Side lengths of a voxel as the file gives them, 1 where it gives none.
-    origin
-        Lowest corner of voxel (0, 0, 0) in the file's unit.  A given voxel size scales it.
-    unit
-        Unit of length that the file states, empty where it states none.
+    place
+        Size of the voxels, lowest corner and unit.
     remarks
         What the reader has to say.
 
@@ -58,7 +120,7 @@ def image_of(
     GeometryError
         The voxels are not cubes, the array is not an image, or its labels need a choice.
     """
-    size = _size_of(where, sides, meaning.voxel_size)
+    size = _size_of(where, place.sides, meaning.voxel_size)
     empty, full, said = meaning.empty, meaning.full, list(remarks)
     if voxels.ndim == 3 and voxels.size:
         voxels, empty, full, more = _interpret(where, voxels, meaning)
@@ -68,23 +130,17 @@ def image_of(
         voxel_size=size,
         empty=empty,
         full=full,
-        origin=[float(o) / s * size for o, s in zip(origin, sides, strict=True)],
+        origin=[float(o) / s * size for o, s in zip(place.origin, place.sides, strict=True)],
         name=name,
     )
-    if unit:
-        what = f"unit of length in the file: {unit}"
+    if place.unit:
+        what = f"unit of length in the file: {place.unit}"
         said.insert(0, Remark("noted", what, 1, "give it as the `unit` of the model"))
-    return Reading(image, tuple(said), unit=unit)
+    return Reading(image, tuple(said), unit=place.unit)
 
 
-def remark_on_thin_axis(shape: Sequence[int]) -> list[Remark]:
-    """Return a remark on an axis that looks like colours or channels, if there is one.
-
-    Parameters
-    ----------
-    shape
-        Numbers of voxels along axes that the file does not name.
-    """
+def _remark_on_thin_axis(shape: Sequence[int]) -> list[Remark]:
+    """Return a remark on an axis that looks like colours or channels, if there is one."""
     thin = min(shape, default=0)
     if len(shape) != 3 or not 2 <= thin <= 4 or sorted(shape)[1] < 16:
         return []
@@ -136,8 +192,20 @@ def _interpret(where: str, voxels: NDArray[Any], meaning: Voxels) -> _Interpreta
         material = labels.to_text(values[1:])
         remedy = "give `labels` to choose some, or `empty` and `full` if they are grey values"
         said = Remark("changed", f"labels into material: {material}", len(values) - 1, remedy)
-        return whole != 0, None, None, [said]
+        return whole != 0, None, None, [said, *_remark_on_background(whole)]
     return *plain, _remark_on_greys(values, counts) if voxels.dtype.kind in "ui" else []
+
+
+def _remark_on_background(whole: NDArray[Any]) -> list[Remark]:
+    """Return a remark where most voxels at the border of an image have a label other than 0."""
+    ends = [np.take(whole, end, axis=axis).ravel() for axis in range(3) for end in (0, -1)]
+    values, counts = np.unique(np.concatenate(ends), return_counts=True)
+    most = int(np.argmax(counts))
+    if values[most] == 0 or 2 * counts[most] <= counts.sum():
+        return []
+    what = f"voxels at the border of the image with the label {values[most]}, taken as material"
+    remedy = "give `labels` without it if it is the background"
+    return [Remark("noted", what, int(counts[most]), remedy)]
 
 
 def _take_labels(where: str, voxels: NDArray[Any], wanted: Sequence[int]) -> _Interpretation:
