@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pandas as pd
+import seaborn as sns
 from matplotlib.figure import Figure
 
 from studies.suitability import OURS, OWN_THRESHOLD, RAW, REPAIRED
@@ -30,38 +30,44 @@ def draw_suitability(table: pd.DataFrame) -> Figure:
         See `studies.suitability.compare_suitability`.
     """
     chosen = table[table["choice"] == OWN_THRESHOLD]
-    betti = chosen.set_index(["scheme", "model"])[["betti_0", "betti_1", "betti_2"]]
     models = list(dict.fromkeys(chosen["model"]))
     figure, axes = style.new_figure(1, len(_PANELS), width=15.0, height=0.32 * len(models) + 1.8)
+    chosen = chosen.assign(betti_difference=_differences(chosen))
     for panel, (column, label, linear_up_to) in zip(axes[0], _PANELS, strict=True):
-        for shift, (scheme, (colour, marker)) in zip(
-            (-0.22, 0.0, 0.22), _LOOKS.items(), strict=True
-        ):
-            of_scheme = chosen[chosen["scheme"] == scheme].set_index("model").loc[models]
-            if column == "betti_difference":
-                ours, theirs = (betti.loc[s].loc[models].to_numpy() for s in (OURS, scheme))
-                values = np.abs(theirs - ours).sum(axis=1)
-            else:
-                values = of_scheme[column].to_numpy(dtype=float)
-            panel.plot(
-                values,
-                np.arange(len(models)) + shift,
-                ls="",
-                marker=marker,
-                color=colour,
-                markersize=4.5,
-                label=scheme,
-            )
+        sns.pointplot(
+            chosen,
+            x=column,
+            y="model",
+            hue="scheme",
+            order=models,
+            hue_order=list(_LOOKS),
+            palette=[colour for colour, _ in _LOOKS.values()],
+            markers=[marker for _, marker in _LOOKS.values()],
+            markersize=4.5,
+            linestyle="none",
+            dodge=0.44,
+            errorbar=None,
+            ax=panel,
+        )
         if linear_up_to == 0:
             panel.set_xscale("log")
         elif linear_up_to is not None:
             panel.set_xscale("symlog", linthresh=linear_up_to)
             panel.set_xlim(left=-0.3 * linear_up_to)
-        panel.set_xlabel(label)
-        panel.set_yticks(np.arange(len(models)), models if panel is axes[0, 0] else [])
-        panel.set_ylim(len(models) - 0.5, -0.5)
+        panel.set(xlabel=label, ylabel="")
+        if panel is not axes[0, 0]:
+            panel.set_yticks([])
         panel.grid(visible=True, linewidth=0.3)
     handles, labels = axes[0, 0].get_legend_handles_labels()
+    for panel in axes[0]:
+        panel.get_legend().remove()
     figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
     figure.suptitle("The same kept cells: raw, repaired by whole cells, and meshed by tusqh")
     return figure
+
+
+def _differences(rows: pd.DataFrame) -> pd.Series:
+    """Return the sum of the differences between the Betti numbers of a mesh and those of ours."""
+    numbers = ["betti_0", "betti_1", "betti_2"]
+    ours = rows[rows["scheme"] == OURS].set_index("model")[numbers]
+    return (rows[numbers] - ours.loc[rows["model"]].set_axis(rows.index)).abs().sum(axis=1)

@@ -11,33 +11,31 @@ mpl.use("Agg")
 
 import matplotlib.pyplot as plt
 import numpy as np
-import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
 from tusqh.atomic import replacing
+from tusqh.figures.theme import PALETTE, THEME
 from tusqh.geometry.outline import Outline
 from tusqh.grid import FloatArray, IntArray
-
-_PALETTE = sns.color_palette("colorblind").as_hex()
 
 MATERIAL = "#a9d6ee"
 REMOVED = "#222222"
 FILLED = "#5b8db8"
 OUTLINE = "#888888"
-CONNECTING = _PALETTE[3]
-SEPARATING = _PALETTE[2]
-BRIDGE = _PALETTE[1]
-CHOSEN = _PALETTE[2]
-PEER_COLOURS = (_PALETTE[3], _PALETTE[0], _PALETTE[2], _PALETTE[4], _PALETTE[1])
-INTERIOR_VERTEX = _PALETTE[0]
-INTERIOR_EDGE = _PALETTE[4]
-DIMENSION_COLOURS = (_PALETTE[0], _PALETTE[1], _PALETTE[2])
+CONNECTING = PALETTE[3]
+SEPARATING = PALETTE[2]
+BRIDGE = PALETTE[1]
+CHOSEN = PALETTE[2]
+PEER_COLOURS = (PALETTE[3], PALETTE[0], PALETTE[2], PALETTE[4], PALETTE[1])
+INTERIOR_VERTEX = PALETTE[0]
+INTERIOR_EDGE = PALETTE[4]
+DIMENSION_COLOURS = (PALETTE[0], PALETTE[1], PALETTE[2])
 #: The mesh in figures of curves, for classes of any dimension.
-MESH_LINE = _PALETTE[0]
+MESH_LINE = PALETTE[0]
 #: Volume fractions beyond 0 and 1, where a geometry overlaps or is inside out.
-BELOW_RANGE, ABOVE_RANGE = _PALETTE[3], _PALETTE[6]
+BELOW_RANGE, ABOVE_RANGE = PALETTE[3], PALETTE[6]
 DIMENSION_NAMES = ("components", "holes", "voids")
 
 #: Label of every axis of thresholds, which extends from 0 to 1.
@@ -70,7 +68,7 @@ def new_figure(n_rows: int, n_columns: int, *, width: float, height: float) -> t
     axes : numpy.ndarray
         Its axes, shape (n_rows, n_columns).
     """
-    sns.set_theme(style="ticks", context="paper", palette="colorblind")
+    mpl.rcParams.update(THEME)
     return plt.subplots(
         n_rows, n_columns, figsize=(width, height), layout="constrained", squeeze=False
     )
