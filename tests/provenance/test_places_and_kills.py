@@ -1,6 +1,7 @@
 """The same results in another place and surroundings, and after any number of sudden deaths."""
 
 import random
+import shutil
 import time
 
 import psutil
@@ -75,18 +76,22 @@ def check_the_same(locked, folder, monkeypatch):
     assert set(report.classes.values()) == {"exact"}
 
 
-@pytest.mark.parametrize(
-    "n_kills", [3, pytest.param(20, marks=pytest.mark.slow)], ids="{}-kills".format
-)
+@pytest.mark.slow
 def test_elsewhere_and_after_kills_every_byte_is_the_same(
-    repository, locked, tmp_path, monkeypatch, n_kills
+    repository, locked, tmp_path, monkeypatch
 ):
     folder = tmp_path / "otherwise"
     folder.mkdir()
     add_models(folder)
     copy_code(repository, folder)
-    assert run_with_kills(folder, n_kills, seed=n_kills) == n_kills
+    assert run_with_kills(folder, 20, seed=20) == 20
     check_the_same(locked, folder, monkeypatch)
+
+
+def test_one_model_made_again_elsewhere_with_kills_is_the_same(locked, checkout, monkeypatch):
+    shutil.rmtree(checkout / "results/plate")
+    assert run_with_kills(checkout.folder, 3, seed=3) == 3
+    check_the_same(locked, checkout.folder, monkeypatch)
 
 
 def jobs_of(said):

@@ -113,26 +113,41 @@ def prepare(folder, config=CONFIG, plate=PLATE):
     ("change", "message"),
     [
         (("plate.svg", "plaet.svg"), "plaet.svg"),
-        (("betti_1: 2}", "betti_1: 200}"), "no threshold gives betti_0 = 1, betti_1 = 200"),
         (("unit: mm", "untis: mm"), "did you mean 'unit'"),
-        (
-            ("grid: {cells: 32}", "window: {lower: [900, 0], upper: [950, 9]}"),
-            "misses the geometry",
-        ),
     ],
 )
-def test_mistakes_end_with_a_message_and_nothing_half_written(tmp_path, change, message):
+def test_mistakes_in_the_configuration_end_before_any_step(tmp_path, change, message):
     prepare(tmp_path, CONFIG.replace(*change))
-    target = "results/plate/mesh.vtu"
-    assert message in fail(tmp_path, target)
-    assert not (tmp_path / target).exists()
+    assert message in fail(tmp_path, "results/plate/mesh.vtu")
+    assert not (tmp_path / "results/plate").exists()
+
+
+def test_mistakes_in_models_end_with_a_message_and_nothing_half_written(tmp_path):
+    contents = {
+        "empty": "",
+        "cut_off": "<svg",
+        "without_paths": "<svg xmlns='http://www.w3.org/2000/svg'></svg>",
+        "unreachable": PLATE,
+        "outside": PLATE,
+    }
+    changes = {
+        "unreachable": ("betti_1: 2}", "betti_1: 200}"),
+        "outside": ("grid: {cells: 32}", "window: {lower: [900, 0], upper: [950, 9]}"),
+    }
+    entry = CONFIG.removeprefix("models:\n")
+    config = "models:\n"
+    (tmp_path / "config").mkdir()
+    for name, content in contents.items():
+        config += entry.replace("plate", name).replace(*changes.get(name, ("", "")))
+        (tmp_path / f"{name}.svg").write_text(content)
+    (tmp_path / "config/config.yaml").write_text(config)
+    targets = [f"results/{name}/mesh.vtu" for name in contents]
+    messages = fail(tmp_path, "--keep-going", *targets)
+    assert messages.count("error in ") >= 3
+    assert messages.count("remedy:") >= 5
+    assert "no threshold gives betti_0 = 1, betti_1 = 200" in messages
+    assert "misses the geometry" in messages
+    for name in ("empty", "cut_off", "without_paths"):
+        assert not (tmp_path / f"results/{name}/geometry.vtp").exists()
+    assert not list(tmp_path.rglob("mesh.vtu"))
     assert not list(tmp_path.rglob(".mesh-*"))
-
-
-@pytest.mark.parametrize("content", ["", "<svg", "<svg xmlns='http://www.w3.org/2000/svg'></svg>"])
-def test_broken_geometry_is_explained(tmp_path, content):
-    prepare(tmp_path, plate=content)
-    messages = fail(tmp_path, "results/plate/geometry.vtp")
-    assert "error in" in messages
-    assert "remedy:" in messages
-    assert not (tmp_path / "results/plate/geometry.vtp").exists()

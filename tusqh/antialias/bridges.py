@@ -14,13 +14,13 @@ whose vertices are not separated.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.cluster.hierarchy import DisjointSet
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
@@ -29,6 +29,9 @@ from tusqh.grid import BackgroundGrid, BoolArray, FloatArray, IntArray
 from tusqh.grid.neighbourhoods import around_vertices
 from tusqh.settings.policy import BridgeMode
 from tusqh.topology.effective import label_components
+
+if TYPE_CHECKING:
+    from scipy.cluster.hierarchy import DisjointSet
 
 #: Columns of the table of bridges.
 BRIDGE_COLUMNS = [
@@ -133,7 +136,7 @@ class _Joiner:
     ) -> None:
         self.label = np.pad(labels, 1)
         self.n_cells = np.bincount(labels.ravel(), minlength=n_components + 1)
-        self.joined = DisjointSet(range(n_components + 1))
+        self.joined = _disjoint_set(range(n_components + 1))
         self.grid = grid
         self.joins_all = joins_all
         self.rows: list[dict[str, object]] = []
@@ -151,7 +154,7 @@ class _Joiner:
         """Return whether bridges are wanted between all these pairs, made one after the other."""
         if self.joins_all:
             return all(a != b for a, b in pairs)
-        together = DisjointSet({self.joined[label] for pair in pairs for label in pair})
+        together = _disjoint_set({self.joined[label] for pair in pairs for label in pair})
         return all(together.merge(self.joined[a], self.joined[b]) for a, b in pairs)
 
     def add_row(self, kind: str, a: int, b: int, vertices: IntArray, status: str) -> int:
@@ -162,6 +165,14 @@ class _Joiner:
         row = [kind, *numbers, *ends.ravel().tolist(), status]
         self.rows.append(dict(zip(BRIDGE_COLUMNS, row, strict=True)))
         return len(self.rows) - 1
+
+
+def _disjoint_set(items: Iterable[int]) -> DisjointSet:
+    """Return every item in a set of its own."""
+    # Imported here, since few meshes have bridges and the import takes 0.1 s.
+    from scipy.cluster.hierarchy import DisjointSet
+
+    return DisjointSet(items)
 
 
 def _join_pinches(
