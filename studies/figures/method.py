@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
@@ -52,7 +54,7 @@ def _draw_samples(panel: Axes, samples: int, place: tuple[int, int], title: str)
     panel.plot(*lattice[~is_in & (lattice <= 2).all(axis=1)].T, ".", color="#bbbbbb", markersize=5)
     panel.plot(*lattice[is_in].T, "o", color=style.INTERIOR_VERTEX, markersize=6)
     low = tuple(centre - 0.5)
-    look = {"edgecolor": style.CONNECTING, "linestyle": "--", "linewidth": 1.6}
+    look: dict[str, Any] = {"edgecolor": style.CONNECTING, "linestyle": "--", "linewidth": 1.6}
     panel.add_patch(Rectangle((low[0], low[1]), 1, 1, fill=False, **look))
     _frame(panel, (-0.05, 2.05), (-0.05, 2.05), title)
 

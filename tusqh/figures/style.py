@@ -68,7 +68,7 @@ def new_figure(n_rows: int, n_columns: int, *, width: float, height: float) -> t
     axes : numpy.ndarray
         Its axes, shape (n_rows, n_columns).
     """
-    mpl.rcParams.update(THEME)
+    plt.style.use(THEME)
     return plt.subplots(
         n_rows, n_columns, figsize=(width, height), layout="constrained", squeeze=False
     )
