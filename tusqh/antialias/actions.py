@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from tusqh.antialias.clusters import CONNECT, SEPARATE
 from tusqh.antialias.pinches import find_pinch_edges, neighbourhood_codes, template_tables
-from tusqh.antialias.templates import TEMPLATES
+from tusqh.contacts.templates import TEMPLATES
 from tusqh.grid.arrays import BoolArray
 from tusqh.grid.neighbourhoods import across_faces, at_corners, neighbours_along, window
 from tusqh.grid.numbering import FACES, HEX_CORNERS

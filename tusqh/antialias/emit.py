@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tusqh.antialias.actions import Action, find_actions
-from tusqh.antialias.emitter import Emitter
 from tusqh.antialias.rings import emit_rings
 from tusqh.antialias.strips import (
     Strip,
@@ -16,6 +15,7 @@ from tusqh.antialias.strips import (
     find_attached_sides,
     find_cells_with_corners,
 )
+from tusqh.contacts.emitter import Emitter
 from tusqh.grid.arrays import BoolArray, IntArray
 from tusqh.grid.background import BackgroundGrid
 from tusqh.grid.neighbourhoods import across_faces
@@ -97,7 +97,8 @@ def emit_mesh(
         emit_rings(emitter, separate, SEPARATING)
         emit_rings(emitter, connect, CONNECTING)
     emit_strips(emitter, strips)
-    return emitter.finish(name)
+    emitted = emitter.finish(name)
+    return emitted.mesh, emitted.grid_vertex
 
 
 def _find_attached(kept: BoolArray, separate: Action, strips: Sequence[Strip]) -> list[BoolArray]:

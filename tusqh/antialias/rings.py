@@ -22,7 +22,7 @@ import numpy as np
 
 from tusqh.antialias.actions import Action
 from tusqh.antialias.clusters import SEPARATE
-from tusqh.antialias.emitter import Emitter
+from tusqh.contacts.emitter import Emitter
 from tusqh.grid.arrays import IntArray
 from tusqh.grid.neighbourhoods import neighbours_along
 from tusqh.grid.numbering import FACES, HEX_CORNERS

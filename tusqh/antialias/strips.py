@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tusqh.antialias.emitter import Emitter
-from tusqh.antialias.templates import INSET
+from tusqh.contacts.emitter import Emitter
+from tusqh.contacts.templates import INSET
 from tusqh.grid.arrays import BoolArray, IntArray
 from tusqh.grid.numbering import FACES, QUAD_CORNERS
 from tusqh.meshes.volume_mesh import BRIDGE

@@ -2,13 +2,34 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import NamedTuple
 
-from tusqh.antialias.templates import TEMPLATES
+import numpy as np
+from numpy.typing import NDArray
+
+from tusqh.contacts.templates import TEMPLATES
 from tusqh.grid.arrays import BoolArray, FloatArray, IntArray
 from tusqh.grid.background import BackgroundGrid
 from tusqh.grid.numbering import CORNERS
 from tusqh.meshes.volume_mesh import VolumeMesh
+
+
+class Emitted(NamedTuple):
+    """A mesh and what is known about its points and elements.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    grid_vertex
+        For every point of the mesh its flat grid vertex, -1 for other points, shape (n,).
+    material
+        Material of every element, shape (m,).
+    """
+
+    mesh: VolumeMesh
+    grid_vertex: IntArray
+    material: IntArray
 
 
 class Emitter:
@@ -42,6 +63,7 @@ class Emitter:
         self._elements: list[IntArray] = []
         self._owners: list[IntArray] = []
         self._kinds: list[IntArray] = []
+        self._materials: list[IntArray] = []
 
     def outer(self, cells: IntArray) -> IntArray:
         """Return the grid vertices at the corners of flat cells, shape (m, 2**dim).
@@ -84,8 +106,14 @@ class Emitter:
         self._n_points += len(positions)
         return numbers
 
-    def add(self, elements: IntArray, owners: IntArray, kind: int) -> None:
-        """Add elements of one kind.
+    def add(
+        self,
+        elements: IntArray,
+        owners: IntArray,
+        kind: int | IntArray,
+        materials: int | NDArray[np.integer] = 0,
+    ) -> None:
+        """Add elements.
 
         Parameters
         ----------
@@ -94,11 +122,15 @@ class Emitter:
         owners
             Flat cells in which they lie, shape (m,).
         kind
-            One of the kinds of `tusqh.meshes.volume_mesh`.
+            One of the kinds of `tusqh.meshes.volume_mesh` for all of them, or one for each.
+        materials
+            The material of all of them, or of each.
         """
         self._elements.append(elements)
         self._owners.append(owners)
-        self._kinds.append(np.full(len(elements), kind, dtype=np.int64))
+        each = np.zeros(len(elements), dtype=np.int64)
+        self._kinds.append(each + kind)
+        self._materials.append(each + materials)
 
     def add_cells(self, cells: BoolArray, kind: int) -> None:
         """Add whole cells, shape n, as elements of one kind.
@@ -142,7 +174,7 @@ class Emitter:
         corners = np.concatenate([self.outer(flat), self.inner(flat)], axis=1)
         self.add(corners[:, self.template.frusta[face]], flat, kind)
 
-    def finish(self, name: str) -> tuple[VolumeMesh, IntArray]:
+    def finish(self, name: str) -> Emitted:
         """Return the mesh of all elements, in the order of their cells.
 
         Parameters
@@ -150,12 +182,6 @@ class Emitter:
         name
             The model, for messages.
 
-        Returns
-        -------
-        mesh
-            The mesh.
-        grid_vertex
-            For every point of the mesh its flat grid vertex, -1 for other points, shape (n,).
         """
         owner = np.concatenate(self._owners)
         order = np.argsort(owner, kind="stable")
@@ -171,7 +197,11 @@ class Emitter:
             grid_cell=owner[order],
             name=name,
         )
-        return mesh, np.where(used < self.n_vertices, used, -1)
+        return Emitted(
+            mesh=mesh,
+            grid_vertex=np.where(used < self.n_vertices, used, -1),
+            material=np.concatenate(self._materials)[order],
+        )
 
     def _positions(self, points: IntArray) -> FloatArray:
         """Return the positions of ascending points, in cells from the grid's lowest corner."""

@@ -1,0 +1,163 @@
+r"""The hexes of cells and sticks: the 1-7 template in cells, the 2-6 template in their faces.
+
+Section through a refined face between two cells, ``f`` its edges, ``s`` the small quad in it::
+
+    +-----------f-----------+
+    | \  ring  / \  ring  / |      Inner cells, centres (ctr) and frusta have the material of
+    |  +------+   +------+  |      their cell, a ring that of the stick along its edge.
+    |  |inner |ctr|inner |  |
+    |  +------s---s------+  |
+    | /        \ /        \ |
+    +-----------f-----------+
+
+A face whose four rings all have the material of one of its cells is left plain, both frusta in that
+material: the same bodies meet, with four hexes fewer.  A cell of one material with six plain faces
+stays whole.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tusqh.contacts.emitter import Emitted, Emitter
+from tusqh.contacts.predict import Labels
+from tusqh.contacts.spatial import SpatialDecision, face_sticks
+from tusqh.contacts.stick_field import Field
+from tusqh.grid import HEX_CORNERS, BackgroundGrid, IntArray
+from tusqh.grid.numbering import FACES
+from tusqh.meshes.facets import HEX_FACETS
+from tusqh.meshes.volume_mesh import CONNECTING, GRID_CELL, INNER_CELL, SEPARATING
+
+#: Distance of the small quad from the edges of its face, in cells.  On cubic cells rings have a
+#: scaled Jacobian of at least 2/3, centres one of 0.9.
+_QUAD_INSET = 0.35
+
+
+@dataclass(frozen=True)
+class _Faces:
+    """The faces across an axis that a marked vertex touches.
+
+    Parameters
+    ----------
+    lower, upper
+        Flat cells on both sides, shape (f,).
+    rings
+        Materials of the four rings, in the order of the corners of the lower cell's face,
+        shape (f, 4).
+    plain
+        Material of both frusta where the face stays plain, -1 where it is refined, shape (f,).
+    """
+
+    lower: IntArray
+    upper: IntArray
+    rings: Labels
+    plain: Labels
+
+
+def emit_spatial(decision: SpatialDecision, grid: BackgroundGrid, name: str) -> Emitted:
+    """Return the hexes of all materials, the void among them, without the outermost layer.
+
+    Parameters
+    ----------
+    decision
+        Materials of cells and sticks.
+    grid
+        The grid with two layers of void, of shape ``n + 4``.
+    name
+        The model, for messages.
+    """
+    labels = decision.labels
+    flat = labels.ravel()
+    faces = [_find_faces(decision.field, axis, grid) for axis in range(3)]
+    # Material of the frustum at every face of every cell, -1 where there is none.
+    frusta = np.stack([flat] * 6)
+    for axis, found in enumerate(faces):
+        frusta[2 * axis + 1, found.lower] = found.plain
+        frusta[2 * axis, found.upper] = found.plain
+    is_split = (frusta != flat).any(axis=0)
+    emitter = Emitter(grid, is_split.reshape(labels.shape))
+    is_meshed = np.zeros(labels.shape, dtype=bool)
+    is_meshed[1:-1, 1:-1, 1:-1] = True
+    whole, split = np.flatnonzero(~is_split & is_meshed.ravel()), np.flatnonzero(is_split)
+    emitter.add(emitter.outer(whole), whole, GRID_CELL, flat[whole])
+    emitter.add(emitter.inner(split), split, INNER_CELL, flat[split])
+    for face in range(6):
+        cells = split[frusta[face, split] >= 0]
+        corners = np.concatenate([emitter.outer(cells), emitter.inner(cells)], axis=1)
+        material = frusta[face, cells]
+        kind = np.where(material == flat[cells], SEPARATING, CONNECTING)
+        emitter.add(corners[:, emitter.template.frusta[face]], cells, kind, material)
+    for axis, found in enumerate(faces):
+        _emit_refined(emitter, axis, found, flat)
+    return emitter.finish(name)
+
+
+def _find_faces(field: Field, axis: int, grid: BackgroundGrid) -> _Faces:
+    """Return the faces across an axis with a marked corner, and what is in them."""
+    numbers, below, above, sticks, has = face_sticks(field, axis)
+    single = np.where(field.sides[axis, numbers] == 1, above, below)
+    at_edges = np.where(has, sticks, single[:, None])
+    rings = at_edges[:, _ring_order(axis)]
+    is_one = (rings == rings[:, :1]).all(axis=1)
+    is_one &= (rings[:, 0] == below) | (rings[:, 0] == above)
+    upper = np.stack(np.unravel_index(numbers, tuple(n + 1 for n in grid.shape)))
+    lower = upper - (np.arange(3) == axis)[:, None]
+    return _Faces(
+        lower=np.ravel_multi_index(tuple(lower), grid.shape),
+        upper=np.ravel_multi_index(tuple(upper), grid.shape),
+        rings=rings,
+        plain=np.where(is_one, rings[:, 0], -1).astype(np.int32),
+    )
+
+
+def _ring_order(axis: int) -> list[int]:
+    """Return for every ring of a face the column of its edge in `face_sticks`."""
+    first, second = (axis + 1) % 3, (axis + 2) % 3
+    corners = HEX_CORNERS[_upper_face(axis)]
+    order = []
+    for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        runs_along_second = a[first] == b[first]
+        order.append(int(a[first]) if runs_along_second else 2 + int(a[second]))
+    return order
+
+
+def _upper_face(axis: int) -> IntArray:
+    """Return the corners of the upper face of a cell across an axis."""
+    return np.asarray(HEX_FACETS[FACES[3].index((axis, 1))])
+
+
+def _emit_refined(emitter: Emitter, axis: int, faces: _Faces, flat: Labels) -> None:
+    """Add the centres and rings of the refined faces across an axis."""
+    is_refined = faces.plain < 0
+    lower, upper, rings = faces.lower[is_refined], faces.upper[is_refined], faces.rings[is_refined]
+    local = _upper_face(axis)
+    opposite = [_across(int(corner), axis) for corner in local]
+    outer = emitter.outer(lower)[:, local]
+    below, above = emitter.inner(lower)[:, local], emitter.inner(upper)[:, opposite]
+    small = _add_small_quads(emitter, lower, axis, local)
+    emitter.add(np.concatenate([below, small], axis=1), lower, SEPARATING, flat[lower])
+    emitter.add(np.concatenate([small, above], axis=1), upper, SEPARATING, flat[upper])
+    for a in range(4):
+        b = (a + 1) % 4
+        ring = [quad[:, c] for c in (a, b) for quad in (outer, below, small, above)]
+        material = rings[:, a]
+        is_own = (material == flat[lower]) & (material == flat[upper])
+        kind = np.where(is_own, SEPARATING, CONNECTING)
+        emitter.add(np.stack(ring, axis=1), lower, kind, material)
+
+
+def _add_small_quads(emitter: Emitter, lower: IntArray, axis: int, local: IntArray) -> IntArray:
+    """Return new points in the upper faces of cells, shape (m, 4)."""
+    inset = _QUAD_INSET + (1 - 2 * _QUAD_INSET) * HEX_CORNERS[local]
+    inset[:, axis] = 1.0
+    lowest = np.stack(np.unravel_index(lower, emitter.grid.shape), axis=1)
+    return emitter.add_points((lowest[:, None] + inset).reshape(-1, 3)).reshape(-1, 4)
+
+
+def _across(corner: int, axis: int) -> int:
+    """Return the corner of the next cell along an axis at the same grid vertex."""
+    offset = HEX_CORNERS[corner].copy()
+    offset[axis] = 1 - offset[axis]
+    return int((offset == HEX_CORNERS).all(axis=1).argmax())

@@ -1,0 +1,219 @@
+"""Volume fractions of several materials, with the few materials that each place holds.
+
+A place of the doubled grid keeps the materials whose fraction there is not 0, in ascending order:
+memory grows with the places, not with the materials.  Places that decide nothing (faces in 3D,
+edges in 2D) stay empty.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from tusqh.errors import TopologyError
+from tusqh.grid import BackgroundGrid, IntArray, doubled
+from tusqh.sampling.doubled_grid import RESOLUTION, Multiples
+from tusqh.sampling.fractions import VolumeFractions
+
+#: Multiple of a full cell.
+FULL = round(1 / RESOLUTION)
+
+#: What the outside of all materials is called.
+VOID = "void"
+
+
+@dataclass(frozen=True)
+class MaterialFractions:
+    """The volume fractions of all materials at cells, edges and vertices of a background grid.
+
+    Parameters
+    ----------
+    grid
+        The background grid, of shape n.
+    names
+        The materials; where two are equally good, the earlier one wins.  The last one is the void,
+        which also fills everything outside the grid.
+    start
+        Place ``p`` of the doubled grid (flat) has the entries ``start[p] <= i < start[p + 1]``.
+    material, multiple
+        Material and fraction, in multiples of `RESOLUTION`, of every entry, shape (n_entries,).
+    """
+
+    grid: BackgroundGrid
+    names: tuple[str, ...]
+    start: IntArray
+    material: NDArray[np.int32]
+    multiple: NDArray[np.int32]
+
+    @property
+    def void(self) -> int:
+        """Number of the void."""
+        return len(self.names) - 1
+
+    @classmethod
+    def from_multiples(
+        cls, grid: BackgroundGrid, names: Sequence[str], multiples: Sequence[Multiples]
+    ) -> MaterialFractions:
+        """Return the fractions of materials given one by one; the void has what remains.
+
+        Parameters
+        ----------
+        grid
+            The background grid, of shape n.
+        names
+            The materials without the void.
+        multiples
+            Fractions of each material on the doubled grid, shape ``2 n + 1``, in multiples of
+            `RESOLUTION`; clipped to [0, 1].
+
+        Raises
+        ------
+        TopologyError
+            The fractions at a place add up to more than 1.
+        """
+        found = [np.clip(m, 0, FULL).astype(np.int64) for m in multiples]
+        rest = FULL - np.sum(found, axis=0)
+        _require_at_most_one(rest[doubled.cells(grid.dim)])
+        dense = np.stack([*found, np.maximum(rest, 0)]).reshape(len(names) + 1, -1)
+        dense[:, ~_is_deciding(rest.shape)] = 0
+        place, material = np.nonzero(dense.T)
+        start = np.searchsorted(place, np.arange(dense.shape[1] + 1))
+        return cls(
+            grid=grid,
+            names=(*names, VOID),
+            start=start.astype(np.int64),
+            material=material.astype(np.int32),
+            multiple=dense[material, place].astype(np.int32),
+        )
+
+    @classmethod
+    def from_fractions(
+        cls, fractions: VolumeFractions, *, name: str = "material"
+    ) -> MaterialFractions:
+        """Return the fractions of one material and the void.
+
+        Parameters
+        ----------
+        fractions
+            Volume fractions of the material.
+        name
+            What the material is called.
+
+        Examples
+        --------
+        >>> grid = BackgroundGrid(shape=(1, 1), cell_size=1.0, origin=(0.0, 0.0))
+        >>> quarter = VolumeFractions.from_values(grid, 4, np.full((3, 3), 0.25))
+        >>> found = MaterialFractions.from_fractions(quarter)
+        >>> found.label_cells(np.array([FULL // 4, FULL - FULL // 4])).tolist()
+        [[0]]
+        """
+        return cls.from_multiples(fractions.grid, [name], [fractions.multiples])
+
+    def label_cells(self, thresholds: IntArray) -> NDArray[np.int32]:
+        """Return the material of every cell: the best of its fraction over its threshold.
+
+        Parameters
+        ----------
+        thresholds
+            Threshold of every material, in multiples of `RESOLUTION`, shape (m,).
+
+        Returns
+        -------
+        labels
+            Numbers of materials, shape n; the void where a cell has none.
+        """
+        shape = tuple(2 * n + 1 for n in self.grid.shape)
+        places = np.arange(np.prod(shape), dtype=np.int64).reshape(shape)
+        places = np.ascontiguousarray(places[doubled.cells(self.grid.dim)])
+        entries = (self.start, self.material, self.multiple)
+        labels = _best_of_places(places.ravel(), entries, thresholds, self.void)
+        return np.asarray(labels).reshape(self.grid.shape)
+
+    def multiples_at(self, places: IntArray, labels: NDArray[np.int32]) -> IntArray:
+        """Return the fractions of chosen materials at some places, in multiples of `RESOLUTION`.
+
+        Parameters
+        ----------
+        places
+            Flat places of the doubled grid, shape (r,).
+        labels
+            Materials to look up at each of them, shape (r, c).
+
+        Returns
+        -------
+        multiples
+            Shape (r, c), int64; 0 for materials that are not there.
+        """
+        entries = (self.start, self.material, self.multiple)
+        return np.asarray(_look_up(places, labels, entries))
+
+    def volumes(self) -> dict[str, float]:
+        """Return the volume (2D: area) of every material in the cells, in model units."""
+        shape = tuple(2 * n + 1 for n in self.grid.shape)
+        is_cell = np.zeros(shape, dtype=bool)
+        is_cell[doubled.cells(self.grid.dim)] = True
+        counts = np.repeat(is_cell.ravel(), np.diff(self.start))
+        sums = np.bincount(
+            self.material[counts], weights=self.multiple[counts], minlength=len(self.names)
+        )
+        scale = RESOLUTION * self.grid.cell_size**self.grid.dim
+        return dict(zip(self.names, (sums * scale).tolist(), strict=True))
+
+
+def _require_at_most_one(rest: IntArray) -> None:
+    """Raise an error where the fractions of a cell add up to more than 1, up to rounding."""
+    n_over = int((rest < -64).sum())
+    if n_over:
+        worst = np.unravel_index(int(rest.argmin()), rest.shape)
+        raise TopologyError(
+            f"{n_over} cells in which the fractions of the materials add up to more than 1, the "
+            f"worst to {1 - rest.min() * RESOLUTION:.4g}, in cell {tuple(map(int, worst))}",
+            where="volume fractions of several materials",
+            expected="at most 1 in every cell",
+            remedy="let materials not overlap, or give the lens to one of them before",
+        )
+
+
+def _is_deciding(shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Return the flat places that decide something: cells, vertices, and in 3D edges."""
+    dimensions = doubled.place_dimensions(shape).ravel()
+    return np.asarray(dimensions != len(shape) - 1)
+
+
+@numba.njit(cache=True)
+def _beats(f, k, g, j, thresholds):  # type: ignore[no-untyped-def]
+    """Return whether material k with the multiple f is better than j with the multiple g."""
+    left, right = f, g
+    if f > 0 and g > 0:
+        left, right = f * thresholds[j], g * thresholds[k]
+    return left > right or (left == right and k < j)
+
+
+@numba.njit(cache=True)
+def _best_of_places(places, entries, thresholds, void):  # type: ignore[no-untyped-def]
+    start, material, multiple = entries
+    best = np.empty(len(places), dtype=np.int32)
+    for i in range(len(places)):
+        k, f = void, np.int64(0)
+        for at in range(start[places[i]], start[places[i] + 1]):
+            j, g = material[at], np.int64(multiple[at])
+            if _beats(g, j, f, k, thresholds) and g > 0:
+                k, f = j, g
+        best[i] = k
+    return best
+
+
+@numba.njit(cache=True)
+def _look_up(places, labels, entries):  # type: ignore[no-untyped-def]
+    start, material, multiple = entries
+    found = np.zeros(labels.shape, dtype=np.int64)
+    for i in range(len(places)):
+        for c in range(labels.shape[1]):
+            for at in range(start[places[i]], start[places[i] + 1]):
+                if material[at] == labels[i, c]:
+                    found[i, c] = multiple[at]
+    return found

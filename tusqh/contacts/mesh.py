@@ -1,0 +1,277 @@
+"""One mesh of several materials, each of them a manifold with known Betti numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from tusqh.contacts.emit_spatial import emit_spatial
+from tusqh.contacts.emitter import Emitted
+from tusqh.contacts.material_fractions import FULL, MaterialFractions
+from tusqh.contacts.planar import PlanarDecision, around_vertices, decide_balls, emit_planar
+from tusqh.contacts.predict import Contacts, Labels, predict_betti, predict_solid
+from tusqh.contacts.spatial import decide_sticks
+from tusqh.contacts.spatial_votes import LAYERS
+from tusqh.errors import TopologyError
+from tusqh.grid import FloatArray, IntArray
+from tusqh.meshes.facets import find_facets
+from tusqh.meshes.measure import Measurement
+from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.topology.betti_numbers import BettiNumbers
+
+__all__ = ["Interface", "MaterialMesh", "mesh_materials"]
+
+
+@dataclass(frozen=True)
+class Interface:
+    """The facets between two materials.
+
+    Parameters
+    ----------
+    first, second
+        The materials; ``second`` is the void on the boundary of the mesh.
+    facets
+        Corners of the facets, normals from first to second, shape (r, 2**(dim - 1)).
+    elements
+        Their elements in the first material, shape (r,).
+    """
+
+    first: str
+    second: str
+    facets: IntArray
+    elements: IntArray
+
+
+@dataclass(frozen=True)
+class MaterialMesh:
+    """A conforming mesh of several materials.
+
+    Parameters
+    ----------
+    mesh
+        All elements.
+    names
+        The materials; the last one is the void.
+    material
+        Number of the material of every element, shape (m,).
+    predicted
+        Betti numbers of every material, predicted before meshing, the void among them; the
+        void fills the outside of the grid.
+    predicted_solid
+        Those of all materials together without the void.
+    n_contacts
+        Pinched vertices and edges: each has one vote.
+    n_overruled
+        Votes that the mesh does not follow.
+    """
+
+    mesh: VolumeMesh
+    names: tuple[str, ...]
+    material: IntArray
+    predicted: dict[str, BettiNumbers]
+    predicted_solid: BettiNumbers
+    n_contacts: int
+    n_overruled: int
+
+    def part(self, name: str) -> VolumeMesh:
+        """Return the mesh of one material alone, with its own points.
+
+        Parameters
+        ----------
+        name
+            The material.
+        """
+        return _take(self.mesh, self.material == self.names.index(name), name)
+
+    @cached_property
+    def measured(self) -> dict[str, Measurement]:
+        """The measurement of every material that has elements."""
+        present = np.unique(self.material)
+        return {self.names[k]: self.part(self.names[k]).measurement for k in present}
+
+    @cached_property
+    def measured_solid(self) -> Measurement:
+        """The measurement of all materials together without the void."""
+        is_solid = self.material != len(self.names) - 1
+        return _take(self.mesh, is_solid, self.mesh.name).measurement
+
+    @property
+    def is_as_predicted(self) -> bool:
+        """Whether every material and the solid are sound and have the predicted Betti numbers."""
+        pairs = [(m, self.predicted[name]) for name, m in self.measured.items()]
+        pairs.append((self.measured_solid, self.predicted_solid))
+        return all(m.is_sound and m.has_topology(predicted) for m, predicted in pairs)
+
+    @cached_property
+    def interfaces(self) -> dict[tuple[str, str], Interface]:
+        """The facets between every two materials, those of the void among them."""
+        return _find_interfaces(self)
+
+
+def mesh_materials(
+    fractions: MaterialFractions,
+    *,
+    thresholds: Mapping[str, float] | None = None,
+    with_void: bool = False,
+    name: str = "mesh",
+) -> MaterialMesh:
+    """Return the mesh of several materials, every contact decided by its own vote.
+
+    A cell takes the material with the largest fraction over threshold; so does every pinched edge
+    and vertex among the materials of its cells.
+
+    Parameters
+    ----------
+    fractions
+        Fractions of all materials on a background grid.
+    thresholds
+        Thresholds of materials, above 0 and at most 1; 1 for the others.  For one material, the
+        thresholds t and 1 - t of material and void keep the cells with at least the fraction t.
+    with_void
+        Mesh the void of the grid and of one layer of cells around it as well.
+    name
+        What messages call the mesh.
+
+    Raises
+    ------
+    TopologyError
+        A threshold is out of range or of no material.
+
+    Examples
+    --------
+    >>> from tusqh.contacts.voxel_fractions import fractions_of_labels
+    >>> image = np.array([[1, 2], [2, 1]])
+    >>> found = mesh_materials(fractions_of_labels(image))
+    >>> {name: str(betti) for name, betti in found.predicted.items()}
+    {'1': '(1, 0, 0)', '2': '(2, 0, 0)', 'void': '(1, 1, 0)'}
+    >>> found.is_as_predicted, found.mesh.n_cells
+    (True, 24)
+    """
+    t = _round_thresholds(fractions.names, dict(thresholds or {}))
+    layers = 1 if fractions.grid.dim == 2 else LAYERS
+    labels = np.pad(fractions.label_cells(t), layers, constant_values=fractions.void)
+    decide = _decide_planar if fractions.grid.dim == 2 else _decide_spatial
+    emitted, contacts, n_overruled = decide(fractions, labels, t, name)
+    predicted = predict_betti(labels, contacts, len(fractions.names))
+    kept = slice(None) if with_void else emitted.material != fractions.void
+    return MaterialMesh(
+        mesh=_take(_renumber(emitted.mesh, labels.shape, layers), kept, name),
+        names=fractions.names,
+        material=emitted.material[kept],
+        predicted=dict(zip(fractions.names, predicted, strict=True)),
+        predicted_solid=predict_solid(labels, contacts, fractions.void),
+        n_contacts=len(contacts.ball) + len(contacts.edge_material),
+        n_overruled=n_overruled,
+    )
+
+
+def _round_thresholds(names: Sequence[str], thresholds: dict[str, float]) -> IntArray:
+    """Return the threshold of every material in multiples of 2**-20, rounded up."""
+    for name, value in thresholds.items():
+        if name not in names or not 0 <= value <= 1 or (value == 0 and name != names[-1]):
+            raise TopologyError(
+                f"the threshold {value!r} of {name!r}",
+                where="thresholds of materials",
+                expected=f"numbers above 0 and at most 1, of {', '.join(names)}",
+                remedy="correct the name or the number",
+            )
+    wanted = np.array([thresholds.get(name, 1.0) for name in names])
+    rounded: IntArray = np.ceil(wanted * FULL).astype(np.int64)
+    # The void's is rounded down: with t and 1 - t both conditions say the same.
+    rounded[-1] = int(np.floor(wanted[-1] * FULL))
+    return rounded
+
+
+def _decide_planar(
+    fractions: MaterialFractions, labels: Labels, thresholds: IntArray, name: str
+) -> tuple[Emitted, Contacts, int]:
+    """Return the elements of a grid in the plane, its contacts, and 0: no vote is overruled."""
+    ball = decide_balls(fractions, labels, thresholds)
+    emitted = emit_planar(PlanarDecision(labels, ball), fractions.grid.padded(), name)
+    numbers = np.arange(labels.size, dtype=np.int32).reshape(labels.shape)
+    is_pinched = ball >= 0
+    nothing = np.empty((0, 4), dtype=np.int64)
+    contacts = Contacts(
+        vertex_cells=around_vertices(numbers)[:, is_pinched[1:-1, 1:-1]].T.astype(np.int64),
+        ball=ball[is_pinched],
+        sticks=np.empty((int(is_pinched.sum()), 0), dtype=np.int32),
+        edge_cells=nothing,
+        edge_material=np.empty(0, dtype=np.int32),
+    )
+    return emitted, contacts, 0
+
+
+def _decide_spatial(
+    fractions: MaterialFractions, labels: Labels, thresholds: IntArray, name: str
+) -> tuple[Emitted, Contacts, int]:
+    """Return the elements of a grid in space, its contacts, and the votes overruled."""
+    decision = decide_sticks(fractions, labels, thresholds)
+    emitted = emit_spatial(decision, fractions.grid.padded().padded(), name)
+    return emitted, decision.contacts, decision.n_overruled
+
+
+def _renumber(mesh: VolumeMesh, shape: tuple[int, ...], layers: int) -> VolumeMesh:
+    """Return a mesh of a padded grid with the cells of the grid itself, -1 for others."""
+    place = np.stack(np.unravel_index(mesh.grid_cell, shape)) - layers
+    inner = tuple(n - 2 * layers for n in shape)
+    is_inside = ((place >= 0) & (place < np.array(inner)[:, None])).all(axis=0)
+    flat = np.ravel_multi_index(tuple(np.where(is_inside, place, 0)), inner)
+    return replace(mesh, grid_cell=np.where(is_inside, flat, -1))
+
+
+def _take(mesh: VolumeMesh, chosen: slice | IntArray, name: str) -> VolumeMesh:
+    """Return some elements of a mesh and their points."""
+    used, corners = np.unique(mesh.cells[chosen], return_inverse=True)
+    return VolumeMesh(
+        points=mesh.points[used],
+        cells=corners.reshape(-1, mesh.cells.shape[1]).astype(np.int64),
+        kind=mesh.kind[chosen],
+        grid_cell=mesh.grid_cell[chosen],
+        name=name,
+    )
+
+
+def _find_interfaces(found: MaterialMesh) -> dict[tuple[str, str], Interface]:
+    """Return the facets between every two materials, sorted by pair."""
+    facets = find_facets(found.mesh.cells)
+    order = np.argsort(facets.unique, kind="stable")
+    sorted_unique = facets.unique[order]
+    is_pair = np.append(sorted_unique[1:] == sorted_unique[:-1], False)
+    partner = np.full(len(order), -1, dtype=np.int64)
+    partner[order[is_pair]] = facets.cell[order[np.flatnonzero(is_pair) + 1]]
+    partner[order[np.flatnonzero(is_pair) + 1]] = facets.cell[order[is_pair]]
+    own = found.material[facets.cell]
+    void = len(found.names) - 1
+    other = np.where(partner >= 0, found.material[partner], void)
+    rows = np.flatnonzero(own != other)
+    key = own[rows] * len(found.names) + other[rows]
+    rows, key = rows[np.argsort(key, kind="stable")], np.sort(key)
+    interfaces = {}
+    for group in np.split(np.arange(len(rows)), np.flatnonzero(np.diff(key)) + 1):
+        if len(group):
+            a, b = divmod(int(key[group[0]]), len(found.names))
+            pair = (found.names[a], found.names[b])
+            mine = rows[group]
+            interfaces[pair] = Interface(*pair, facets.corners[mine], facets.cell[mine])
+    return interfaces
+
+
+def facet_areas(points: FloatArray, facets: IntArray) -> FloatArray:
+    """Return the length of sides or the area of faces (of their two triangles), shape (r,).
+
+    Parameters
+    ----------
+    points
+        Coordinates, shape (n, dim), in the units of the model.
+    facets
+        Corners, shape (r, 2**(dim - 1)).
+    """
+    corners = points[facets]
+    if facets.shape[1] == 2:
+        return np.asarray(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1))
+    first = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    second = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 0])
+    return np.asarray((np.linalg.norm(first, axis=1) + np.linalg.norm(second, axis=1)) / 2)

@@ -1,0 +1,285 @@
+"""The Betti numbers that every material will have, from labels and decisions alone.
+
+The complex of a material has its cells, the faces between them, the edges and vertices with only
+its cells around them, and the contacts decided for it.  Its components come from one union-find for
+all materials.  Its complement retracts onto what the others have, so that its voids (in 2D its
+holes) are the components of the graph of touching components without its own, less the outside.
+Its holes in 3D follow from the Euler characteristic, which is counted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from tusqh.contacts.octants import octants
+from tusqh.contacts.planar import find_diagonals
+from tusqh.grid import BoolArray, IntArray
+from tusqh.grid.neighbourhoods import neighbours_along
+from tusqh.topology.betti_numbers import BettiNumbers
+
+Labels = NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """The decided contacts of a grid.
+
+    Parameters
+    ----------
+    vertex_cells
+        Flat cells around every pinched vertex, cyclic in 2D, octants in 3D, shape (p, 2**dim).
+    ball
+        Material of its ball, shape (p,).
+    sticks
+        In 3D the materials of the sticks at its six half-edges, shape (p, 6).
+    edge_cells
+        In 3D the flat cells around every pinched edge, cyclic, shape (e, 4).
+    edge_material
+        Material of its stick, shape (e,).
+    """
+
+    vertex_cells: IntArray
+    ball: Labels
+    sticks: Labels
+    edge_cells: IntArray
+    edge_material: Labels
+
+
+def predict_betti(labels: Labels, contacts: Contacts, n_materials: int) -> list[BettiNumbers]:
+    """Return the Betti numbers of every material.
+
+    Parameters
+    ----------
+    labels
+        Material of every cell; the cells of the outermost layer all have one material, which fills
+        the outside.
+    contacts
+        What was decided.
+    n_materials
+        Number of materials.
+
+    Examples
+    --------
+    >>> labels = np.ones((5, 5), dtype=np.int32)
+    >>> labels[1, 1] = labels[2, 2] = labels[3, 1] = 0
+    >>> balls = Contacts(np.array([[6, 11, 12, 7], [11, 16, 17, 12]]), np.array([0, 1]),
+    ...                  np.empty((2, 0)), np.empty((0, 4), dtype=int), np.empty(0))
+    >>> [str(betti) for betti in predict_betti(labels, balls, 2)]
+    ['(2, 0, 0)', '(1, 2, 0)']
+    """
+    component = _find_components(labels, contacts)
+    names, numbers = np.unique(component, return_inverse=True)
+    numbers = numbers.reshape(labels.shape)
+    material_of = labels.ravel()[names]
+    pairs = _find_touching(numbers, labels, contacts)
+    # The outside is one more component, of no material.
+    outside = len(names)
+    pairs = np.concatenate([pairs, [[numbers.flat[0], outside]]])
+    n_components = np.bincount(material_of, minlength=n_materials)
+    enclosed = [
+        _count_without(pairs, np.append(material_of == k, False)) - 1 for k in range(n_materials)
+    ]
+    if labels.ndim == 2:
+        return [BettiNumbers(int(n), e) for n, e in zip(n_components, enclosed, strict=True)]
+    euler = count_euler(labels, contacts, n_materials)
+    return [
+        BettiNumbers(int(n), int(n) + e - int(x), e)
+        for n, e, x in zip(n_components, enclosed, euler, strict=True)
+    ]
+
+
+def predict_solid(labels: Labels, contacts: Contacts, void: int) -> BettiNumbers:
+    """Return the Betti numbers of all materials but the void together.
+
+    Parameters
+    ----------
+    labels
+        Material of every cell, as for `predict_betti`.
+    contacts
+        What was decided.
+    void
+        Number of the void.
+    """
+    merged = (labels == void).astype(np.int32)
+    around = merged.ravel()[contacts.vertex_cells]
+    if labels.ndim == 2:
+        is_pinched = find_diagonals(around.T)
+    else:
+        is_pinched = octants().is_pinched[around @ (1 << np.arange(8))]
+    on_edge = find_diagonals(merged.ravel()[contacts.edge_cells].T)
+    both = Contacts(
+        vertex_cells=contacts.vertex_cells[is_pinched],
+        ball=(contacts.ball[is_pinched] == void).astype(np.int32),
+        sticks=(contacts.sticks[is_pinched] == void).astype(np.int32),
+        edge_cells=contacts.edge_cells[on_edge],
+        edge_material=(contacts.edge_material[on_edge] == void).astype(np.int32),
+    )
+    return predict_betti(merged, both, 2)[0]
+
+
+def count_euler(labels: Labels, contacts: Contacts, n_materials: int) -> IntArray:
+    """Return the Euler characteristic of every material in 3D, shape (n_materials,).
+
+    Parameters
+    ----------
+    labels
+        Material of every cell.
+    contacts
+        What was decided.
+    n_materials
+        Number of materials.
+    """
+
+    def count(materials: Labels) -> IntArray:
+        return np.bincount(materials, minlength=n_materials).astype(np.int64)
+
+    euler = count(labels.ravel())
+    for axis in range(3):
+        lower, upper = neighbours_along(labels, axis)
+        euler -= count(lower[lower == upper])
+        euler += count(_find_uniform(labels, [k for k in range(3) if k != axis]))
+    euler -= count(_find_uniform(labels, [0, 1, 2]))
+    flat = labels.ravel()
+    euler += np.bincount(
+        contacts.edge_material,
+        weights=_euler_of_edges(flat[contacts.edge_cells], contacts.edge_material),
+        minlength=n_materials,
+    ).astype(np.int64)
+    links = 1 - _euler_of_links(flat[contacts.vertex_cells], contacts.sticks, contacts.ball)
+    euler += np.bincount(contacts.ball, weights=links, minlength=n_materials).astype(np.int64)
+    return euler
+
+
+def _find_uniform(labels: Labels, axes: list[int]) -> Labels:
+    """Return the materials of all blocks of two cells along some axes that have only one."""
+    same = np.ones_like(labels, dtype=bool)
+    material = labels
+    for axis in axes:
+        low, high = neighbours_along(material, axis)
+        same_low, same_high = neighbours_along(same, axis)
+        same = same_low & same_high & (low == high)
+        material = low
+    return np.asarray(material[same])
+
+
+def _euler_of_edges(around: Labels, material: Labels) -> IntArray:
+    """Return what a stick adds to the Euler characteristic of its material, shape (e,)."""
+    own = around == material[:, None]
+    n_faces = (own & np.roll(own, -1, axis=1)).sum(axis=1)
+    return np.asarray(1 - (own.sum(axis=1) - n_faces), dtype=np.int64)
+
+
+def _euler_of_links(around: Labels, sticks: Labels, ball: Labels) -> IntArray:
+    """Return the Euler characteristic of what balls touch of their own material, shape (p,)."""
+    tables = octants()
+    own = around == ball[:, None]
+    euler = tables.euler[own @ (1 << np.arange(8))]
+    for half_edge in range(6):
+        four = around[:, tables.around[half_edge]]
+        touches = own[:, tables.around[half_edge]].any(axis=1)
+        is_pinched = find_diagonals(four.T)
+        is_full = own[:, tables.around[half_edge]].all(axis=1)
+        joins = is_pinched & touches & (sticks[:, half_edge] == ball)
+        euler = euler + is_full + np.where(joins, _euler_of_edges(four, ball), 0)
+    return np.asarray(euler, dtype=np.int64)
+
+
+def _find_components(labels: Labels, contacts: Contacts) -> IntArray:
+    """Return the component of every cell as its lowest flat cell, shape n."""
+    layer = labels if labels.ndim == 3 else labels[None]
+    parent = np.arange(labels.size, dtype=np.int32)
+    flat = np.ascontiguousarray(layer).ravel()
+    _join_faces(flat, np.array(layer.shape), parent)
+    for cells, material in (
+        (contacts.edge_cells, contacts.edge_material),
+        (contacts.vertex_cells, contacts.ball),
+    ):
+        _join_contacts(flat, cells, material, parent)
+    _flatten(parent)
+    return parent.reshape(labels.shape).astype(np.int64)
+
+
+def _find_touching(numbers: IntArray, labels: Labels, contacts: Contacts) -> IntArray:
+    """Return the pairs of components that touch, shape (r, 2)."""
+    n = int(numbers.max()) + 1
+    keys = [np.empty(0, dtype=np.int64)]
+    for axis in range(numbers.ndim):
+        lower, upper = neighbours_along(numbers, axis)
+        differ = lower != upper
+        keys.append(np.unique(lower[differ] * n + upper[differ]))
+    flat, materials = numbers.ravel(), labels.ravel()
+    for cells, material in (
+        (contacts.edge_cells, contacts.edge_material),
+        (contacts.vertex_cells, contacts.ball),
+    ):
+        own = (materials[cells] == material[:, None]).argmax(axis=1)
+        centre = flat[np.take_along_axis(cells, own[:, None], axis=1)]
+        keys.append(np.unique(centre * n + flat[cells]))
+    return np.stack(np.divmod(np.unique(np.concatenate(keys)), n), axis=1)
+
+
+def _count_without(pairs: IntArray, is_left_out: BoolArray) -> int:
+    """Return the number of components of a graph without some of its nodes."""
+    kept = pairs[~is_left_out[pairs].any(axis=1)]
+    n = len(is_left_out)
+    graph = coo_array((np.ones(len(kept), dtype=bool), tuple(kept.T)), shape=(n, n))
+    n_all = int(connected_components(graph, directed=False, return_labels=False))
+    return n_all - int(is_left_out.sum())
+
+
+@numba.njit(cache=True)
+def _root(parent, a):  # type: ignore[no-untyped-def]
+    while parent[a] != a:
+        parent[a] = parent[parent[a]]
+        a = parent[a]
+    return a
+
+
+@numba.njit(cache=True)
+def _join(parent, a, b):  # type: ignore[no-untyped-def]
+    a, b = _root(parent, a), _root(parent, b)
+    if a < b:
+        parent[b] = a
+    elif b < a:
+        parent[a] = b
+
+
+@numba.njit(cache=True)
+def _join_faces(flat, shape, parent):  # type: ignore[no-untyped-def]
+    """Join cells of one material across faces."""
+    n_y, n_z = shape[1], shape[2]
+    for i in range(shape[0]):
+        for j in range(n_y):
+            for k in range(n_z):
+                at = (i * n_y + j) * n_z + k
+                if k > 0 and flat[at] == flat[at - 1]:
+                    _join(parent, at, at - 1)
+                if j > 0 and flat[at] == flat[at - n_z]:
+                    _join(parent, at, at - n_z)
+                if i > 0 and flat[at] == flat[at - n_y * n_z]:
+                    _join(parent, at, at - n_y * n_z)
+
+
+@numba.njit(cache=True)
+def _join_contacts(flat, cells, material, parent):  # type: ignore[no-untyped-def]
+    """Join the cells around every contact that have its material."""
+    for i in range(len(cells)):
+        first = -1
+        for cell in cells[i]:
+            if flat[cell] == material[i]:
+                if first < 0:
+                    first = cell
+                _join(parent, first, cell)
+
+
+@numba.njit(cache=True)
+def _flatten(parent):  # type: ignore[no-untyped-def]
+    """Point every cell to the lowest one of its component."""
+    for a in range(len(parent)):
+        parent[a] = parent[parent[a]]

@@ -1,0 +1,72 @@
+"""The votes of contacts: which of the cells around a place has the best material there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tusqh.contacts.material_fractions import MaterialFractions
+from tusqh.grid import FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class Votes:
+    """What some places vote for, and the price of taking one of the others.
+
+    Parameters
+    ----------
+    winner
+        Material that each place votes for, shape (r,), int32.
+    price
+        For every candidate 0 where it is the winner, else 1 and half of how far its score is below
+        that of the winner, from 0 (a tie) to 1, shape (r, c).
+    """
+
+    winner: NDArray[np.int32]
+    price: FloatArray
+
+
+def count_votes(
+    fractions: MaterialFractions,
+    places: IntArray,
+    candidates: NDArray[np.int32],
+    thresholds: IntArray,
+) -> Votes:
+    """Return the votes of places of the doubled grid.
+
+    The score of a material is its fraction over its threshold.  Scores are compared exactly, as
+    products of multiples of 2**-20; of equal ones the material that comes first wins.
+
+    Parameters
+    ----------
+    fractions
+        Fractions of all materials.
+    places
+        Flat places of the doubled grid; -1 for places outside, where all is void, shape (r,).
+    candidates
+        Materials of the cells around each place, shape (r, c).
+    thresholds
+        Threshold of every material, in multiples of 2**-20, shape (m,).
+    """
+    multiples = fractions.multiples_at(np.maximum(places, 0), candidates)
+    multiples[places < 0] = candidates[places < 0] == fractions.void
+    rows = np.arange(len(places))
+    t = thresholds[candidates]
+    best = np.zeros(len(places), dtype=np.int64)
+    for c in range(1, candidates.shape[1]):
+        f, g = multiples[:, c], multiples[rows, best]
+        both = (f > 0) & (g > 0)
+        left = np.where(both, f * t[rows, best], f)
+        right = np.where(both, g * t[:, c], g)
+        is_first = candidates[:, c] < candidates[rows, best]
+        best = np.where((left > right) | ((left == right) & is_first), c, best)
+    winner = candidates[rows, best]
+    own = multiples * t[rows, best][:, None]
+    others = multiples[rows, best][:, None] * t
+    with np.errstate(invalid="ignore", divide="ignore"):
+        loss = np.where(others > 0, 1.0 - own / others, 0.0)
+    price = 1.0 + 0.5 * np.clip(loss, 0.0, 1.0)
+    price[candidates == winner[:, None]] = 0.0
+    return Votes(winner=winner.astype(np.int32), price=price)
