@@ -17,6 +17,7 @@ rule all:
         "results/tables/summary.csv",
         "results/tables/summary.md",
         "results/tables/verification.csv",
+        "results/tables/verdicts.csv",
         "results/tables/claims.csv",
         [figure for model in MODELS for figure in figures_of(model)],
         *files_of_all_models(*EXPORTS, "simulation", "defects", "explorer").values(),

@@ -9,7 +9,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from tusqh.files import RESULT_FILES
+from tusqh.files import RESULT_FILES, TABLES_OF_ALL_MODELS
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/files.md"
@@ -30,6 +30,12 @@ Tables of outlines do not have the columns that end in `k` or `z`.
 
 | file | columns |
 |---|---|
+"""
+ALL_MODELS = """
+## Tables over all models
+
+| file in `results/` | contents | columns |
+|---|---|---|
 """
 
 
@@ -65,6 +71,10 @@ def render_page(rules: list[Any]) -> str:
     for file in RESULT_FILES.values():
         if file.columns:
             text += f"| `{file.path}` | {', '.join(f'`{c}`' for c in file.columns)} |\n"
+    text += ALL_MODELS
+    for file in TABLES_OF_ALL_MODELS:
+        columns = ", ".join(f"`{column}`" for column in file.columns)
+        text += f"| `{file.path}` | {file.sentence} | {columns} |\n"
     return text
 
 

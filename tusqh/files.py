@@ -246,3 +246,13 @@ _FIGURES = (
 RESULT_FILES = {
     file.name: file for file in (*_GEOMETRY_TO_SELECTION, *_MESH_TO_VERDICT, *_USES, *_FIGURES)
 }
+
+#: Tables over all models, with their path below ``results``.
+TABLES_OF_ALL_MODELS = (
+    ResultFile(
+        "verdicts",
+        "tables/verdicts.csv",
+        "the volume of every mesh against its reference, the warnings and the verdict",
+        _columns("model file reference reference_volume volume volume_ratio warnings verdict"),
+    ),
+)

@@ -5,7 +5,9 @@ import pytest
 
 import tusqh
 from tusqh.errors import TopologyError
+from tusqh.files import TABLES_OF_ALL_MODELS
 from tusqh.geometry.outline import Outline
+from tusqh.quality.summary import summarise_verdict
 
 
 def box(*sides):
@@ -71,3 +73,14 @@ def test_a_volume_that_no_threshold_matches_is_an_error_that_names_what_helps():
     with pytest.raises(TopologyError, match=r"nearest mesh is 3\.05.*") as caught:
         tusqh.mesh(box(220, 220, 3), cells=24, volume="match")
     assert "`--cell-size 1.5`" in str(caught.value)
+
+
+def test_a_row_of_the_table_of_verdicts_says_ratio_and_warnings():
+    for cells, verdict, warned in ((8, "suitable", ""), (24, "not suitable", "cells whose")):
+        sides = (4, 4, 2) if cells == 8 else (220, 220, 3)
+        result = tusqh.mesh(box(*sides), cells=cells, placement="corner")
+        row = summarise_verdict(result.report.facts, result.report.verdict, file="a.stl")
+        assert tuple(row) == TABLES_OF_ALL_MODELS[0].columns
+        assert row["volume_ratio"] == pytest.approx(row["volume"] / np.prod(sides))
+        assert row["verdict"] == verdict
+        assert warned in row["warnings"]

@@ -12,6 +12,7 @@ from drawings import is_drawn
 from small_project import copy_results
 from workflow_runs import fail, succeed
 
+from tusqh.files import TABLES_OF_ALL_MODELS
 from tusqh.meshes.betti import betti_by_boundary
 from tusqh.meshes.export import read_vtu
 
@@ -23,6 +24,19 @@ def test_the_mesh_has_the_wanted_topology(built):
     assert abs(summary["volume_over_winding"] - 1) < 0.2
     defects = pd.read_csv(built / "results/ring/defects.csv").set_index("defect")["count"]
     assert defects["boundary_edges"] == 6
+
+
+def test_the_table_of_verdicts_has_every_model(built):
+    table = pd.read_csv(built / "results/tables/verdicts.csv").set_index("model")
+    assert list(table.columns) == list(TABLES_OF_ALL_MODELS[0].columns[1:])
+    assert table["file"].to_dict() == {
+        "plate": "data_sources/plate.svg",
+        "ring": "data_sources/ring.stl",
+    }
+    assert (table["volume_ratio"] - 1).abs().max() < 0.05
+    assert table["verdict"].str.startswith("suitable").all()
+    facts = json.loads((built / "results/ring/facts.json").read_text())
+    assert "error" in facts["placement"]
 
 
 def test_eight_thresholds_are_verified(built):

@@ -1,4 +1,4 @@
-"""The summary over all models: one row per model."""
+"""Tables over all models: the summary and the verdicts, one row per model each."""
 
 from __future__ import annotations
 
@@ -51,4 +51,36 @@ def summarise_model(
         "min_scaled_jacobian": float(found.get("scaled_jacobian", "nan")),
         "amount_relative_error": float(amount["amount_relative_error"].abs().max()),
         "verdict": overall(verdict),
+    }
+
+
+def summarise_verdict(facts: dict[str, Any], verdict: pd.DataFrame, *, file: str) -> dict[str, Any]:
+    """Return one row of the table of verdicts.
+
+    Parameters
+    ----------
+    facts
+        The facts that the mesh step wrote, see `tusqh.pipeline.build.Built.facts`.
+    verdict
+        The checks of the mesh.
+    file
+        The geometry file.
+
+    Returns
+    -------
+    row
+        One value for each column of ``verdicts.csv``; the ratio is NaN where the reference is not
+        known.
+    """
+    reference = facts.get("reference_volume") or float("nan")
+    warned = verdict.loc[verdict["holds"] == "warning", "name"]
+    return {
+        "model": facts["model"],
+        "file": file,
+        "reference": facts.get("reference_source", ""),
+        "reference_volume": reference,
+        "volume": facts["volume"],
+        "volume_ratio": facts["volume"] / reference,
+        "warnings": "; ".join(map(str, warned)),
+        "verdict": overall(verdict).partition(":")[0],
     }

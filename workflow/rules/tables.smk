@@ -7,3 +7,14 @@ rule tables:
         verification=report("results/tables/verification.csv", "../report/verification.rst", category="Tables"),
     script:
         "../scripts/tables.py"
+
+
+rule verdicts:
+    input:
+        **files_of_all_models("facts", "verdict"),
+    output:
+        verdicts=report("results/tables/verdicts.csv", "../report/verdicts.rst", category="Tables"),
+    params:
+        files=list(GEOMETRY.values()),
+    script:
+        "../scripts/verdicts.py"
