@@ -115,7 +115,7 @@ def check_certificate(path: Path, mesh_file: Path, measured: Measurement) -> lis
     MeshError
         The certificate cannot be read or does not follow the schema.
     """
-    stored = _read(path)
+    stored = read_certificate(path)
     claimed = _claims_in(stored)
     recomputed = {
         "mesh": hash_file(mesh_file),
@@ -155,7 +155,7 @@ def read_predicted(path: Path) -> BettiNumbers:
     MeshError
         The certificate cannot be read or does not follow the schema.
     """
-    return BettiNumbers(*_read(path)["predicted"]["effective"])
+    return BettiNumbers(*read_certificate(path)["predicted"]["effective"])
 
 
 def _is_as_predicted(measured: Measurement, predicted: BettiNumbers) -> bool:
@@ -223,7 +223,19 @@ def _compare(key: str, found: Any, claimed: Any) -> Check:
     )
 
 
-def _read(path: Path) -> dict[str, Any]:
+def read_certificate(path: Path) -> dict[str, Any]:
+    """Return a certificate.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Raises
+    ------
+    MeshError
+        It cannot be read or does not follow the schema.
+    """
     try:
         stored = json.loads(path.read_text("utf-8"))
         jsonschema.validate(stored, schema())

@@ -15,7 +15,8 @@ def check(mesh: Annotated[Path, typer.Argument(help="A .vtu file of quads or hex
     """Measure the topology of a mesh and check that it is fit for analysis.
 
     A certificate.json beside the mesh is recomputed as well: its digests, measurements and,
-    where the fractions are there too, its predictions.
+    where the fractions are there too, its predictions. With the geometry, the fractions, the place
+    of the grid and the warnings are recomputed; without it, the warnings are those recorded.
 
     Exit code 0: all holds; 1: something does not; 2: the file cannot be read.
 
@@ -25,6 +26,7 @@ def check(mesh: Annotated[Path, typer.Argument(help="A .vtu file of quads or hex
     """
     from tusqh.certificate import FILE_NAME, check_certificate, read_predicted
     from tusqh.meshes.export import read_vtu
+    from tusqh.pipeline.recheck import recheck
     from tusqh.quality.elements import element_metrics
     from tusqh.quality.verdict import judge_mesh, overall, to_table
 
@@ -35,6 +37,7 @@ def check(mesh: Annotated[Path, typer.Argument(help="A .vtu file of quads or hex
     checks = judge_mesh(volume_mesh, expected, element_metrics(volume_mesh))
     if certificate.is_file():
         checks += check_certificate(certificate, mesh, volume_mesh.measurement)
+        checks += recheck(certificate, volume_mesh)
     table = to_table(checks)
     show(table, title=f"{mesh.name}: {volume_mesh.n_cells} elements, Betti numbers {measured}")
     verdict = overall(table)

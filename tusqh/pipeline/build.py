@@ -11,12 +11,11 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import Resolved, build_mesh, describe_mesh
 from tusqh.atomic import write_text
 from tusqh.certificate import make_certificate
-from tusqh.geometry.kinds import Geometry
 from tusqh.hashing import canonical_json
 from tusqh.meshes.checks import Check
 from tusqh.meshes.export import write_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
-from tusqh.quality.comparison import compare_with_geometry
+from tusqh.pipeline.original import Original, to_warnings
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.reference import Reference
 from tusqh.tables import write_csv
@@ -37,6 +36,8 @@ class Built:
         The mesh with its cells, decisions, bridges, and the features removed and filled.
     reference
         The volume that the mesh should have, where the geometry was given.
+    original
+        The geometry and the settings that the mesh was compared with, where they were given.
     comparison
         Checks of the mesh against the geometry, where that was given.
     """
@@ -45,6 +46,7 @@ class Built:
     fractions: VolumeFractions
     resolved: Resolved
     reference: Reference | None = None
+    original: Original | None = None
     comparison: tuple[Check, ...] = ()
 
     @cached_property
@@ -117,11 +119,9 @@ class Built:
         self.write_mesh(mesh)
         claim = make_certificate(self.selection, cells, mesh, fractions, name=self.mesh.name)
         claim |= self._placement
-        claim["warnings"] = [
-            {"id": c.id, "name": c.name, "found": str(c.found), "remedy": c.remedy}
-            for c in self.comparison
-            if not c.holds
-        ]
+        if self.original is not None:
+            claim["settings"] = self.original.to_dict()
+        claim["warnings"] = to_warnings(self.comparison)
         write_csv(features, cells.features)
         write_csv(bridges, cells.bridge_table)
         write_text(certificate, canonical_json(claim))
@@ -133,9 +133,8 @@ def build(
     selection: Selection,
     *,
     name: str = "model",
-    geometry: Geometry | None = None,
+    original: Original | None = None,
     reference: Reference | None = None,
-    tolerance: float = 0.05,
 ) -> Built:
     """Return the mesh of volume fractions at a chosen threshold, every pinch resolved.
 
@@ -147,10 +146,10 @@ def build(
         The threshold; the mesh that verified it is taken where there is one.
     name
         The model.
-    geometry, reference
-        The geometry and its volume, with which the mesh is compared; None: it is not.
-    tolerance
-        Largest relative difference of the volumes without a warning.
+    original
+        The geometry with which the mesh is compared; None: it is not.
+    reference
+        Its volume, where that was measured before.
 
     Raises
     ------
@@ -161,7 +160,8 @@ def build(
     if resolved is None or resolved.mesh.name != name:
         cells = selection.cells or CellSets(fractions, selection.policy).at(selection.threshold)
         resolved = build_mesh(cells, fractions.grid, name=name)
-    if geometry is None or reference is None:
+    if original is None:
         return Built(selection, fractions, resolved)
-    compared = compare_with_geometry(resolved, fractions, geometry, reference, tolerance=tolerance)
-    return Built(selection, fractions, resolved, reference, tuple(compared))
+    reference = reference or original.reference(fractions)
+    compared = original.compare(resolved, fractions, reference)
+    return Built(selection, fractions, resolved, reference, original, tuple(compared))

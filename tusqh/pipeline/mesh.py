@@ -12,13 +12,12 @@ from tusqh.pipeline.build import Built, build
 from tusqh.pipeline.describe_reading import describe_reading
 from tusqh.pipeline.ingest import read_source
 from tusqh.pipeline.judge import judge
+from tusqh.pipeline.original import Original
 from tusqh.pipeline.persistence import find_persistence
 from tusqh.pipeline.result import Result
-from tusqh.pipeline.sample import sample
 from tusqh.pipeline.select import select
 from tusqh.progress import Progress, log_progress
 from tusqh.sampling.orient import orient
-from tusqh.sampling.reference import find_reference
 from tusqh.settings.arguments import arguments_of, explains_unknown_arguments, from_arguments
 from tusqh.settings.grid import Place
 from tusqh.settings.model import Settings
@@ -172,16 +171,16 @@ def run_stages(
     progress("reading")
     reading = read_source(source, name=name, image=settings.image.to_dict())
     geometry = reading.geometry
-    fractions = sample(
+    original = Original(
         geometry,
-        grid=settings.grid,
-        sampling=settings.sampling,
-        window=settings.window,
-        threshold=settings.goal.threshold,
-        progress=progress,
+        settings.grid,
+        settings.sampling,
+        settings.window,
+        settings.quality,
+        settings.goal.threshold,
     )
-    box = None if settings.window is None else settings.window.box
-    reference = find_reference(geometry, fractions, sampling=settings.sampling, window=box)
+    fractions = original.sample(progress)
+    reference = original.reference(fractions)
     progress("persistence")
     found = find_persistence(fractions, name=name)
     choice = select(
@@ -197,9 +196,8 @@ def run_stages(
         fractions,
         choice.selection,
         name=name,
-        geometry=geometry,
+        original=original,
         reference=reference,
-        tolerance=settings.quality.volume_tolerance,
     )
     if settings.goal.volume is not None:
         _require_volume(built)

@@ -5,9 +5,11 @@ rule mesh:
         **files("mesh", "facts"),
         **shown("features", "bridges", "certificate"),
     params:
+        grid=settings_of("grid"),
         window=settings_of("window"),
         sampling=settings_of("sampling"),
         quality=settings_of("quality"),
+        threshold=threshold_of_placement,
     priority: MODELS_FIRST
     script:
         "../scripts/mesh.py"
