@@ -99,6 +99,12 @@ def write_images(folder):
         ("pages.tiff", {"photometric": "minisblack", "metadata": None}),
     ):
         tifffile.imwrite(folder / name, ball, **options)
+    image = pyvista.ImageData(dimensions=(10, 9, 8), spacing=(2, 2, 2), origin=(1, 2, 3))
+    image.cell_data["grey"] = ball.ravel(order="F")
+    image.save(folder / "cells.vti")
+    image = pyvista.ImageData(dimensions=ball.shape)
+    image.point_data["grey"] = ball.ravel(order="F")
+    image.save(folder / "points.vti", binary=False)
     for encoding in ("raw", "gzip", "bzip2", "ascii"):
         nrrd.write(str(folder / f"{encoding}.nrrd"), ball, {"encoding": encoding})
 

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+import pyvista
 from PIL import Image as Picture
 from PIL import ImageOps, TiffImagePlugin
 
+from tusqh.errors import GeometryError
 from tusqh.readers.files import read_file
 
 RNG = np.random.default_rng(1)
@@ -39,3 +41,35 @@ def test_labels_at_the_border_of_an_image_are_named(tmp_path):
     labels[4:8, 4:8, 4:8] = 2
     np.save(tmp_path / "a.npy", labels)
     assert not any("border" in str(r) for r in read_file(tmp_path / "a.npy").remarks)
+
+
+@pytest.mark.parametrize("kind", ["cell_data", "point_data"])
+@pytest.mark.parametrize("is_binary", [True, False])
+def test_an_image_of_vtk_has_its_voxels_where_they_are(tmp_path, kind, is_binary):
+    voxels = RNG.integers(0, 2, size=(3, 4, 5), dtype=np.uint8)
+    n_more = 1 if kind == "cell_data" else 0
+    shape = np.array(voxels.shape) + n_more
+    image = pyvista.ImageData(dimensions=shape, spacing=(2, 2, 2), origin=(1, 2, 3))
+    getattr(image, kind)["grey"] = voxels.ravel(order="F")
+    image.save(tmp_path / "a.vti", binary=is_binary)
+    geometry = read_file(tmp_path / "a.vti").geometry
+    # By another road: the middles of VTK's cells, or its points, with their values.
+    middles = image.cell_centers().points if n_more else image.points
+    places = np.floor((middles - geometry.origin) / geometry.voxel_size).astype(int)
+    assert (geometry.voxels[tuple(places.T)] == getattr(image, kind)["grey"]).all()
+    assert geometry.voxel_size == 2
+    assert geometry.origin == ((1, 2, 3) if n_more else (0, 1, 2))
+
+
+def test_several_arrays_and_turned_axes_are_refused(tmp_path):
+    image = pyvista.ImageData(dimensions=(3, 3, 3))
+    image["a"] = np.zeros(8)
+    image["b"] = np.zeros(8)
+    image.save(tmp_path / "two.vti")
+    with pytest.raises(GeometryError, match="2 arrays of single numbers: 'a', 'b'"):
+        read_file(tmp_path / "two.vti")
+    del image.cell_data["b"]
+    image.direction_matrix = [[0, 1, 0], [1, 0, 0], [0, 0, 1]]
+    image.save(tmp_path / "turned.vti")
+    with pytest.raises(GeometryError, match="axes are turned"):
+        read_file(tmp_path / "turned.vti")

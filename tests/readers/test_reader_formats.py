@@ -34,6 +34,7 @@ OTHERS = {
     "tiff_pages",
     "tiff_sizes",
     "voxels",
+    "vtk_file",
     "vtk_legacy",
 }
 OTHERS |= {"loose", "paint", "polygons_of_maps", "rings"}

@@ -58,6 +58,7 @@ FORMATS = (
     Format("OFF", (".off",), "surface", "off", growth=16),
     Format("glTF", (".glb", ".gltf"), "surface", "gltf", unit="m", growth=8),
     Format("VTK", (".vtk", ".vtu", ".vtp"), "surface", "vtk", "pyvista", "formats", growth=8),
+    Format("VTK image", (".vti",), "image", "vti", "pyvista", "formats", growth=3),
     Format("NumPy array", (".npy",), "image", "npy", growth=2),
     Format("TIFF stack", (".tif", ".tiff"), "image", "tiff", "tifffile", "formats", growth=1),
     Format("NRRD", (".nrrd",), "image", "nrrd", "nrrd", "formats", growth=1),
@@ -106,7 +107,7 @@ def suffixes_of(*kinds: str) -> list[str]:
     Examples
     --------
     >>> suffixes_of("image")
-    ['.npy', '.tif', '.tiff', '.nrrd']
+    ['.vti', '.npy', '.tif', '.tiff', '.nrrd']
     """
     return [
         suffix

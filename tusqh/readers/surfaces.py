@@ -85,7 +85,7 @@ def surfaces_of_dataset(dataset: Any, *, name: str = "dataset") -> tuple[list[Pa
             f"it holds an image of {shape} points, and an image is not a surface",
             where=name,
             expected="a surface or a volume mesh",
-            remedy="write its values as an image: NPY, NRRD or TIFF",
+            remedy="write it as an image: VTI, NPY, NRRD or TIFF",
         )
     remarks: list[Remark] = []
     if isinstance(dataset, pyvista.UnstructuredGrid):

@@ -1,0 +1,78 @@
+"""Read an image from a VTI file: its only array of single numbers, on cells or on points."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pyvista
+
+from tusqh.errors import GeometryError
+from tusqh.readers.reading import Reading
+from tusqh.readers.voxels import Place, image_in_file
+from tusqh.readers.vtk_file import load_dataset
+from tusqh.settings.voxels import Voxels
+
+#: VTK's own array, which says which cells other parts of a dataset have too.
+_GHOSTS = "vtkGhostType"
+
+
+def read(path: Path, *, meaning: Voxels) -> Reading:
+    """Read the voxels, their size and their place.
+
+    Values of cells are voxels; values of points are voxels around these points.
+
+    Parameters
+    ----------
+    path
+        The file.
+    meaning
+        What the voxels mean.
+
+    Returns
+    -------
+    Reading
+        The geometry.
+
+    Raises
+    ------
+    GeometryError
+        The file is cut off or damaged; it has no array of single numbers, or several; its axes are
+        turned; or the voxels are not cubes.
+    """
+    image = load_dataset(path)
+    if not isinstance(image, pyvista.ImageData):
+        raise _wrong(path, "it holds no image", "export it as a surface, or as an image")
+    found = [
+        (name, np.asarray(data[name]), is_of_cells)
+        for data, is_of_cells in ((image.cell_data, True), (image.point_data, False))
+        for name in data
+        if name != _GHOSTS and data[name].ndim == 1
+    ]
+    if len(found) != 1:
+        names = ", ".join(repr(name) for name, _, _ in found) or "none"
+        remedy = "leave one of them in the file, or write it as NPY, NRRD or TIFF"
+        raise _wrong(path, f"it has {len(found)} arrays of single numbers: {names}", remedy)
+    if not np.array_equal(image.direction_matrix, np.eye(3)):
+        raise _wrong(path, "its axes are turned", "resample it along x, y and z")
+    (_, values, is_of_cells) = found[0]
+    spacing = np.abs(image.spacing)
+    lowest = np.array(image.GetOrigin()) + np.array(image.GetExtent()[::2]) * spacing
+    shape = np.maximum(np.array(image.dimensions) - is_of_cells, 1)
+    return image_in_file(
+        path,
+        values.reshape(shape, order="F"),
+        meaning=meaning,
+        place=Place(spacing.tolist(), (lowest - (0 if is_of_cells else spacing / 2)).tolist()),
+        is_named=True,
+    )
+
+
+def _wrong(path: Path, found: str, remedy: str) -> GeometryError:
+    """Return the error for a file that is not one image."""
+    return GeometryError(
+        found,
+        where=str(path),
+        expected="an image with one array, with axes along x, y and z",
+        remedy=remedy,
+    )
