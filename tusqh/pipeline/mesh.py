@@ -8,6 +8,8 @@ from typing import Any, Literal
 
 from tusqh.errors import TopologyError
 from tusqh.geometry.image import Image
+from tusqh.geometry.outline import Outline
+from tusqh.geometry.small_pieces import remarks_on_small_polygons
 from tusqh.pipeline.build import Built, build
 from tusqh.pipeline.describe_reading import describe_reading
 from tusqh.pipeline.ingest import read_source
@@ -206,6 +208,10 @@ def run_stages(
     remarks = reading.remarks
     if not isinstance(geometry, Image):
         remarks += orient(geometry, settings.sampling.orientation).remarks
+    if isinstance(geometry, Outline):
+        is_outside = settings.sampling.domain == "outside"
+        kept = built.resolved.cells.kept
+        remarks += remarks_on_small_polygons(geometry, fractions.grid, kept, is_outside=is_outside)
     read = describe_reading(reading)
     return Result(geometry, fractions, found, choice, built, judgement, settings, read, remarks)
 

@@ -10,6 +10,7 @@ import numpy as np
 from tusqh.errors import GeometryError
 from tusqh.geometry.outline import Outline
 from tusqh.grid import FloatArray
+from tusqh.readers.loose import join_loose
 from tusqh.readers.reading import Reading
 
 #: The header of the file.
@@ -19,6 +20,9 @@ SEGMENT_COLUMNS = ("x0", "y0", "x1", "y1")
 def read(path: Path) -> Reading:
     """Read every row as a chain of two points.
 
+    Where the directions of segments contradict each other, the segments are loose lines: they are
+    chained by their end points, and rings nest by even and odd, see `tusqh.readers.loose`.
+
     Parameters
     ----------
     path
@@ -27,7 +31,7 @@ def read(path: Path) -> Reading:
     Returns
     -------
     Reading
-        The geometry.
+        The geometry, with remarks where segments were chained.
 
     Raises
     ------
@@ -46,7 +50,24 @@ def read(path: Path) -> Reading:
                 remedy="give one segment per row: start x and y, end x and y",
             )
         chains = [_as_segment(row, where=f"{path}, line {rows.line_num}") for row in rows if row]
+    if not _is_directed(chains):
+        joined, remarks = join_loose(chains)
+        return Reading(Outline.from_chains(joined, name=path.name), tuple(remarks))
     return Reading(Outline.from_chains(chains, name=path.name))
+
+
+def _is_directed(chains: list[FloatArray]) -> bool:
+    """Return whether segments that meet at a point lead to it and from it equally often.
+
+    A point of one segment alone is an end, not a contradiction.
+    """
+    if not chains or not all(np.isfinite(chain).all() for chain in chains):
+        return True
+    ends = np.concatenate(chains) + 0.0  # Adding zero makes -0.0 equal to 0.0 in every bit.
+    _, point = np.unique(ends, axis=0, return_inverse=True)
+    degree = np.bincount(point.ravel())
+    balance = np.bincount(point.ravel(), weights=np.tile([-1.0, 1.0], len(chains)))
+    return not ((np.abs(balance) > 1) | ((balance != 0) & (degree > 1) & (degree % 2 == 0))).any()
 
 
 def _as_segment(row: list[str], *, where: str) -> FloatArray:
