@@ -2,10 +2,15 @@
 
 import numpy as np
 import pytest
-from oracles import gudhi_betti
+from oracles import gudhi_betti, simplicial_betti_by_rank
 from random_materials import random_materials
 
-from tusqh.contacts.mesh import mesh_materials
+from tusqh.contacts import spatial
+from tusqh.contacts.mesh import facet_areas, mesh_materials
+from tusqh.contacts.predict import predict_betti
+from tusqh.contacts.spatial_votes import LAYERS
+from tusqh.contacts.voxel_fractions import fractions_of_labels
+from tusqh.topology.filtration import build_filtration
 
 #: The bound of the 1-7 template on cubic cells.
 BOUND = 1 / np.sqrt(3) - 1e-12
@@ -51,3 +56,97 @@ def test_materials_against_a_simplicial_complex():
         found = mesh_materials(fractions, thresholds=thresholds)
         for name, measured in found.measured.items():
             assert gudhi_betti(measured.mesh.cells) == found.predicted[name], (seed, name)
+
+
+def spoil(rng):
+    """Return a search that takes sticks at random, so that many vertices get the order rule."""
+
+    def improve(vertices, field, costs, frozen, tables):
+        for v in vertices[~frozen[vertices]]:
+            for e in range(6):
+                axis, end = divmod(e, 2)
+                low = v - (1 - end) * field.steps[axis]
+                octant = v + (np.array([[a >> k & 1 for k in range(3)] for a in range(8)]) - 1) @ (
+                    field.steps
+                )
+                if not frozen[v + (2 * end - 1) * field.steps[axis]]:
+                    field.sticks[axis, low] = field.labels[octant[rng.choice(tables.around[e])]]
+        return 0
+
+    return improve
+
+
+def test_the_fallback_is_manifold_and_as_predicted(monkeypatch):
+    """Sticks at random: what is not good takes the order rule, and the mesh is sound."""
+    n_by_order = 0
+    for seed in range(8):
+        monkeypatch.setattr(spatial, "improve", spoil(np.random.default_rng(seed)))
+        fractions, thresholds = random_materials(seed, 3, 4)
+        t = np.full(len(fractions.names), 2**20)
+        labels = np.pad(fractions.label_cells(t), LAYERS, constant_values=fractions.void)
+        n_by_order += spatial.decide_sticks(fractions, labels, t).n_by_order
+        check_materials(mesh_materials(fractions, thresholds=thresholds, with_void=True), seed)
+    assert n_by_order > 100
+
+
+def simplices_of(labels, contacts, material):
+    """The paper's complex of a material: its cells and the contacts decided for it."""
+    values = np.zeros(tuple(2 * n + 1 for n in labels.shape))
+    values[1::2, 1::2, 1::2] = labels == material
+    for cells, decided in (
+        (contacts.edge_cells, contacts.edge_material),
+        (contacts.vertex_cells, contacts.ball),
+    ):
+        places = 2 * np.stack(np.unravel_index(cells, labels.shape)).mean(axis=2) + 1
+        values[tuple(places.astype(int))] = decided == material
+    filtration = build_filtration(values)
+    level = np.flatnonzero(filtration.values == 1)
+    return [s[np.isin(s, level).all(axis=1)] for s in filtration.simplices]
+
+
+def test_the_prediction_is_the_papers_complex():
+    """Ranks over GF(2) of the listed simplices, for every material."""
+    n_compared = 0
+    for seed in range(12):
+        fractions, _ = random_materials(seed, 3, 3)
+        t = np.full(len(fractions.names), 2**20)
+        labels = np.pad(fractions.label_cells(t), LAYERS, constant_values=fractions.void)
+        contacts = spatial.decide_sticks(fractions, labels, t).contacts
+        predicted = predict_betti(labels, contacts, len(fractions.names))
+        for k in np.unique(labels)[:-1]:
+            by_rank = simplicial_betti_by_rank(simplices_of(labels, contacts, k))
+            assert tuple([*by_rank, 0, 0][:3]) == tuple(predicted[k]), (seed, k)
+            n_compared += 1
+    assert n_compared > 25
+
+
+def test_materials_fill_the_box_and_interfaces_have_two_equal_sides():
+    for seed in range(6):
+        fractions, _ = random_materials(seed, 3, 4)
+        found = mesh_materials(fractions, with_void=True)
+        box = np.prod([n + 2 for n in fractions.grid.shape])
+        volumes = [found.part(name).volumes.sum() for name in found.measured]
+        assert np.isclose(sum(volumes), box, rtol=1e-12)
+        for (a, b), side in found.interfaces.items():
+            # Sets of points of the facets, from each material's own boundary.
+            other = found.interfaces.get((b, a))
+            if other is None:
+                assert b == "void"  # The side of the outermost layer.
+                continue
+            assert {*map(frozenset, side.facets.tolist())} == {
+                *map(frozenset, other.facets.tolist())
+            }
+            areas = [facet_areas(found.mesh.points, s.facets).sum() for s in (side, other)]
+            assert np.isclose(*areas, rtol=1e-12)
+
+
+def test_one_voxel_a_cell_follows_the_voxels():
+    """Where nothing is pinched the mesh is the voxels; the volume of each label is exact."""
+    image = np.ones((4, 4, 4), dtype=np.uint8)
+    image[1:3, 1:3, 1:] = 7
+    found = mesh_materials(fractions_of_labels(image, names={7: "core"}))
+    assert found.mesh.n_cells == 64
+    assert found.part("core").volumes.sum() == 12
+    assert found.predicted["core"] == (1, 0, 0)
+    assert found.predicted["1"] == (1, 0, 0)
+    assert found.interfaces["core", "1"].facets.shape == (28, 4)

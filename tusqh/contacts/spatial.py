@@ -79,10 +79,8 @@ class _Decider:
         prices = [votes.price for _, _, _, votes in self.edges]
         self.costs = self.costs._replace(edge_cost=np.concatenate([np.empty((0, 4)), *prices]))
 
-    def run(self, *, only_order: bool = False) -> None:
-        """Decide all sticks; `only_order` starts with the order rule everywhere."""
-        if only_order:
-            self._fall_back(self.field.marked.copy())
+    def run(self) -> None:
+        """Decide all sticks."""
         while True:
             marked = np.flatnonzero(self.field.marked)
             while improve(marked, self.field, self.costs, self.by_order, self.tables):
@@ -131,7 +129,7 @@ class _Decider:
             is_near[marked + offset @ self.votes.steps] = True
         return np.flatnonzero(is_near)
 
-    def _fall_back(self, vertices: IntArray | BoolArray) -> None:
+    def _fall_back(self, vertices: IntArray) -> None:
         """Give the order rule to all that is marked and joined to some vertices."""
         self.by_order[vertices] = True
         self._spread_order()
@@ -197,8 +195,6 @@ def decide_sticks(
     fractions: MaterialFractions,
     labels: Labels,
     thresholds: IntArray,
-    *,
-    only_order: bool = False,
 ) -> SpatialDecision:
     """Return the materials of all sticks and balls.
 
@@ -210,11 +206,9 @@ def decide_sticks(
         Material of every cell, with two layers of void around them, shape ``n + 4``.
     thresholds
         Threshold of every material, in multiples of 2**-20, shape (m,).
-    only_order
-        Use the order rule everywhere: for tests.
     """
     decider = _Decider(SpatialVotes(fractions, labels, thresholds))
-    decider.run(only_order=only_order)
+    decider.run()
     field, votes, vertices = decider.field, decider.votes, decider.vertices
     allowed = judge(vertices, field, decider.tables)
     is_allowed = (allowed[:, None] >> np.arange(8) & 1).astype(bool)
