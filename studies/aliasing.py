@@ -17,7 +17,6 @@ from studies.methods.exact_fractions import Polygon, exact_fractions
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
 from tusqh.grid import BackgroundGrid
-from tusqh.meshes.betti import betti_by_euler
 from tusqh.settings.policy import Criteria, Policy
 
 #: The paper's three gaps along the axes: below half a cell, between, and above a cell.
@@ -128,7 +127,7 @@ def sweep_axis_gap(n_offsets: int) -> pd.DataFrame:
 
 def _count_components(polygons: list[Polygon], grid: BackgroundGrid) -> int:
     cells = CellSets(exact_fractions(polygons, grid)).at(0.5)
-    return betti_by_euler(build_mesh(cells, grid).mesh).betti_0
+    return build_mesh(cells, grid).mesh.measurement.by_euler.betti_0
 
 
 def draw_axis_gaps() -> pd.DataFrame:

@@ -23,7 +23,6 @@ from studies.theorem import crossing_widths, method_name, normals_of
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
 from tusqh.grid import BackgroundGrid, FloatArray
-from tusqh.meshes.betti import betti_by_euler
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.policy import Policy
 
@@ -103,7 +102,7 @@ def compare_with_meshes(n_trials: int, samples: int, rng: np.random.Generator) -
                 "width": round(width, 6),
                 "filtration_joins": width <= opening[0, 0, RULES.index("filtration")],
                 "bare_mesh_joins": bare.predicted.betti_0 == 1,
-                "mesh_joins": betti_by_euler(resolved.mesh).betti_0 == 1,
+                "mesh_joins": resolved.mesh.measurement.by_euler.betti_0 == 1,
                 "clusters_overruled": bare.decisions.clusters_overruled,
                 "bridges": resolved.cells.n_bridges,
                 "in_window": width <= crossing,

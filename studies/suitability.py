@@ -22,8 +22,6 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.pinches import find_pinches
 from tusqh.antialias.resolve import build_mesh
 from tusqh.grid import FloatArray, IntArray
-from tusqh.meshes.betti import betti_by_euler
-from tusqh.meshes.manifold import find_non_manifold_points
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.simulate.diffusion import march
 from tusqh.simulate.operators import Operators
@@ -79,7 +77,7 @@ def compare_suitability(
         }
         pinches = {RAW: find_pinches(kept), REPAIRED: find_pinches(repair.kept)}
         for scheme, mesh in meshes.items():
-            betti = closed_betti(kept) if scheme == RAW else betti_by_euler(mesh)
+            betti = closed_betti(kept) if scheme == RAW else mesh.measurement.by_euler
             row = {
                 "model": name,
                 "dimension": mesh.dim,
@@ -105,7 +103,7 @@ def compare_suitability(
 
 def measure_suitability(mesh: VolumeMesh) -> dict[str, Any]:
     """Return the measures of fitness for analysis of a mesh, see `compare_suitability`."""
-    n_bad = len(find_non_manifold_points(mesh.facets))
+    n_bad = mesh.measurement.n_non_manifold
     lumped, of_elements = element_matrices(mesh)
     stiffness = assemble_stiffness(mesh, of_elements)
     condition, iterations = estimate_condition(stiffness)

@@ -127,7 +127,7 @@ def test_the_command_line_says_so_by_its_exit_code(folder):
     (folder / FILE_NAME).unlink()
     done = run(app, ["check", str(folder / "mesh.vtu")])
     assert done.exit_code == 0
-    assert "no certificate beside it" in done.output
+    assert "there is no certificate.json in its folder" in done.output
 
 
 def test_no_certificate_for_a_mesh_that_is_not_as_predicted(folder):

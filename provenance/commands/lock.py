@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import typer
-from rich.console import Console
 
 from provenance.commands.options import ConfigFiles, LockFile, Snakefile
-from tusqh.cli.show import report_error
+from tusqh.cli.show import make_console, report_error
 
 
 def lock(
@@ -37,7 +36,7 @@ def lock(
         report_error(f"warning: {reason}")
         old = None
     write_lock(new, lock)
-    console = Console()
+    console = make_console()
     for path, change in changed_outputs(old, new):
         console.print(f"{change:>8}  {path}", markup=False, highlight=False)
     n_outputs = sum(len(step["outputs"]) for step in new["steps"].values())

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 from rich.markup import escape
 from rich.tree import Tree
+
+from tusqh.cli.show import make_console
 
 if TYPE_CHECKING:
     from provenance.trace import Origin
@@ -44,7 +45,7 @@ def trace(
         path = path.relative_to(Path.cwd())
     match = find_output(path, records, digests)
     origin = trace_file(match.path, records, read_register(Path(), PACKAGE_ROOT), digests)
-    console = Console()
+    console = make_console()
     console.print(
         f"{name} is {match.path}: {match.how}", markup=False, highlight=False, soft_wrap=True
     )

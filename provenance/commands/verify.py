@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from provenance.commands.options import ConfigFiles, LockFile, Snakefile
+from tusqh.cli.show import make_console
 
 if TYPE_CHECKING:
     from provenance.verify import Verification
@@ -65,7 +65,7 @@ def _show(verification: Verification) -> None:
     """Print a table of steps, the findings and the verdict."""
     from provenance.findings import Outcome, merge
 
-    console = Console()
+    console = make_console()
     console.print(_table(verification))
     for finding in merge(verification.findings):
         if finding.outcome is Outcome.SAME:

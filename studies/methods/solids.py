@@ -9,8 +9,7 @@ import numpy as np
 from studies.methods.raw_mesh import closed_betti
 from tusqh.geometry.soup import Soup
 from tusqh.grid import FloatArray, IntArray
-from tusqh.meshes.betti import betti_by_euler
-from tusqh.meshes.manifold import find_non_manifold_points
+from tusqh.meshes.measure import measure
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.topology.betti_numbers import BettiNumbers
 
@@ -30,7 +29,7 @@ def cut_tets(points: FloatArray, tets: IntArray) -> VolumeMesh:
     Examples
     --------
     >>> mesh = cut_tets(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), [[0, 1, 2, 3]])
-    >>> mesh.n_cells, len(mesh.points), float(mesh.volumes.sum())
+    >>> mesh.n_cells, len(mesh.points), measured.volume
     (4, 15, 0.16666666666666666)
     """
     tets = np.asarray(tets, dtype=np.int64)
@@ -72,10 +71,11 @@ def describe_solid(points: FloatArray, cells: IntArray, *, cell_size: float) -> 
     """
     is_hex = cells.shape[1] == 8
     mesh = VolumeMesh.from_arrays(points, cells) if is_hex else cut_tets(points, cells)
-    is_manifold = len(find_non_manifold_points(mesh.facets)) == 0
+    measured = measure(mesh)
+    is_manifold = measured.n_non_manifold == 0
     betti: BettiNumbers | None = None
     if is_manifold:
-        betti = betti_by_euler(mesh)
+        betti = measured.by_euler
     elif is_hex:
         middles = points[cells].mean(axis=1)
         index = np.rint((middles - middles.min(axis=0)) / cell_size).astype(np.int64)
@@ -87,7 +87,7 @@ def describe_solid(points: FloatArray, cells: IntArray, *, cell_size: float) -> 
         "elements": len(cells),
         "manifold": is_manifold,
         **(betti._asdict() if betti else dict.fromkeys(("betti_0", "betti_1", "betti_2"))),
-        "volume": float(mesh.volumes.sum()),
+        "volume": measured.volume,
         "worst_scaled_jacobian": _worst(points, cells),
     }
 

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from tusqh.cli import options
+from tusqh.cli.show import make_console
 from tusqh.settings.model import Model, Settings
 
 
@@ -45,7 +45,7 @@ def add(
     name = name or Path(geometry).stem
     model = Model(geometry=geometry, unit=unit, settings=settings)
     block, row = add_model(config, name, model, licence=licence, origin=origin, url=url)
-    console = Console(markup=False, highlight=False)
+    console = make_console(markup=False, highlight=False)
     console.print(f"added to {config}:\n\n{block}")
     console.print(f"SHA-256 {row['sha256']}; known defects: {row['known_defects']}")
     console.print(f"make it with: snakemake --cores 2 results/{name}/certificate.json")

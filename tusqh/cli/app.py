@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import warnings
 from importlib import import_module
 from importlib.util import find_spec
@@ -65,6 +66,8 @@ _add_workflow_commands()
 def main() -> None:
     """Run the command line; errors that a user can fix are messages, not tracebacks."""
     catch_signals()
+    if not sys.warnoptions:  # Remarks and checks say what a user must know; -W shows warnings.
+        warnings.simplefilter("ignore")
     # Numba warns on every run about an optional library that it does not find.
     warnings.filterwarnings("ignore", message=".*TBB threading layer.*")
     try:

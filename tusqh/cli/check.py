@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
-from tusqh.cli.show import show
+from tusqh.cli.show import make_console, show
 
 
 def check(mesh: Annotated[Path, typer.Argument(help="A .vtu file of quads or hexes.")]) -> None:
@@ -41,5 +40,6 @@ def check(mesh: Annotated[Path, typer.Argument(help="A .vtu file of quads or hex
     table = to_table(checks)
     show(table, title=f"{mesh.name}: {volume_mesh.n_cells} elements, Betti numbers {measured}")
     verdict = overall(table)
-    Console().print(verdict + ("" if certificate.is_file() else " (no certificate beside it)"))
+    where = "" if certificate.is_file() else f" (there is no {FILE_NAME} in its folder)"
+    make_console(markup=False, highlight=False).print(verdict + where)
     raise typer.Exit(0 if verdict.startswith("suitable") else 1)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
-from rich.console import Console
 
 from tusqh.cli import options
 from tusqh.cli.progress import shown
-from tusqh.cli.show import show
+from tusqh.cli.show import make_console, show
 from tusqh.settings.model import Settings
 
 if TYPE_CHECKING:
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
 _ROWS = 12
 
 
-@options.with_settings(without=("goal",))
+@options.with_settings(without=("goal", "quality"))
 def inspect(
     geometry: options.Source,
     *,
@@ -46,8 +45,10 @@ def inspect(
     from tusqh.pipeline.ingest import describe_geometry, read_source
     from tusqh.pipeline.sample import sample
     from tusqh.pipeline.select import find_plateaus
+    from tusqh.pipeline.unused_settings import note_unused_settings
 
     reading = read_source(geometry, image=settings.image.to_dict())
+    reading = note_unused_settings(reading, settings)
     found = reading.geometry
     for title, text in lines_of_reading(describe_reading(reading)).items():
         typer.echo(f"{title:<5} {text}")
@@ -68,7 +69,7 @@ def inspect(
     table, n_more = _list_topologies(topologies, every=every)
     show(table, title=f"Topologies on {fractions.grid.label} cells, by threshold t")
     if n_more:
-        Console().print(f"{n_more} narrower intervals are not shown; --all lists them")
+        make_console().print(f"{n_more} narrower intervals are not shown; --all lists them")
 
 
 def _list_topologies(topologies: pd.DataFrame, *, every: bool) -> tuple[pd.DataFrame, int]:

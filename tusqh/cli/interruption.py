@@ -1,17 +1,20 @@
-"""Stop on Ctrl-C or a scheduler's signal with a message, and leave no incomplete files."""
+"""Stop on a signal and leave no incomplete files; nobody reads the output: stop without a word."""
 
 from __future__ import annotations
 
 import os
+import select
 import signal
 
 _caught: list[int] = []
 
 
 def catch_signals() -> None:
-    """Turn SIGINT and SIGTERM into an error that cleans up like any other."""
+    """Turn SIGINT, SIGTERM and SIGPIPE into an error that cleans up like any other."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, _stop)
+    if hasattr(signal, "SIGPIPE"):  # Windows has none.
+        signal.signal(signal.SIGPIPE, _stop_quietly)
 
 
 def stop_if_interrupted() -> None:
@@ -29,6 +32,24 @@ def to_exit_code(code: str | int | None) -> str | int | None:
         The exit code without a signal.
     """
     return 128 + _caught[0] if _caught else code
+
+
+def _stop_quietly(number: int, _frame: object) -> None:
+    """Stop where the reader of the output has gone, as `head` does; other pipes do not matter."""
+    if not any(map(_has_no_reader, (1, 2))):
+        return
+    _caught.append(number)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    for stream in (1, 2):
+        os.dup2(nowhere, stream)
+    raise SystemExit(128 + number)
+
+
+def _has_no_reader(stream: int) -> bool:
+    """Return whether a stream is a pipe whose other end is closed."""
+    watch = select.poll()
+    watch.register(stream, 0)
+    return any(event & select.POLLERR for _, event in watch.poll(0))
 
 
 def _stop(number: int, _frame: object) -> None:

@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.console import Console
 from rich.table import Table
 
 from tusqh.cli import options
 from tusqh.cli.progress import shown
-from tusqh.cli.show import report_error
+from tusqh.cli.show import make_console, report_error
 from tusqh.errors import OutputError, TopologyError
 from tusqh.settings.model import Settings
 
@@ -53,7 +52,7 @@ def mesh(
 
     Exit code 0: the mesh measures the topology that was asked for and predicted, and no check
     fails; 1: no threshold gives it, or a check fails; 2: bad input or output; 3: there are
-    warnings, with --strict.
+    warnings, with --strict; 141: the program that reads the output ended first, as head does.
 
     For example:
 
@@ -112,7 +111,7 @@ def _show(report: Report, written: list[Path]) -> None:
     for title, text in report.lines().items():
         table.add_row(title, text)
     table.add_row("written", ", ".join(str(path) for path in written))
-    console = Console(highlight=False, markup=False)
+    console = make_console(highlight=False, markup=False)
     console.print(table)
     failed = report.verdict[report.verdict["holds"] == "no"]
     for row in failed.itertuples():

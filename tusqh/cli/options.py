@@ -11,12 +11,16 @@ from typing import Annotated, Any, get_type_hints
 import typer
 from typer.core import TyperCommand
 
+from tusqh.readers import formats
 from tusqh.settings.arguments import Argument, from_options, options_of
 from tusqh.settings.model import Settings
 from tusqh.settings.validate import refuse_unknown
 
-#: What a geometry argument may be.
-FORMATS = "GeoJSON, SHP, SVG, DXF, CSV; STL, OBJ, PLY, OFF, GLB, VTK; NPY, TIFF, NRRD"
+#: What a geometry argument may be: the formats of outlines, surfaces and images.
+FORMATS = "; ".join(
+    ", ".join(found.name for found in formats.FORMATS if found.kind == kind)
+    for kind in ("outline", "surface", "image")
+)
 
 Source = Annotated[
     str, typer.Argument(metavar="GEOMETRY", help=f"{FORMATS}; or package:NAME/FILE.")

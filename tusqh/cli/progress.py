@@ -20,13 +20,17 @@ def shown() -> Iterator[Progress]:
     It is drawn on the standard error stream, and only where that is a terminal.
     """
     console = Console(stderr=True)
+    if not console.is_terminal:  # Even a disabled bar ends with an empty line.
+        yield _silent
+        stop_if_interrupted()
+        return
     columns = (
         SpinnerColumn(),
         TextColumn("{task.description}"),
         BarColumn(),
         TimeRemainingColumn(elapsed_when_finished=True),
     )
-    with Bars(*columns, console=console, transient=True, disable=not console.is_terminal) as bars:
+    with Bars(*columns, console=console, transient=True) as bars:
         current: list[TaskID] = []
 
         def progress(what: str) -> Report:
@@ -44,3 +48,13 @@ def shown() -> Iterator[Progress]:
 
         yield progress
     stop_if_interrupted()
+
+
+def _silent(_what: str) -> Report:
+    """Show nothing; long steps still stop on a signal."""
+
+    def report(_done: int, _total: int) -> None:
+        stop_if_interrupted()
+
+    stop_if_interrupted()
+    return report

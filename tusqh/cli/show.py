@@ -3,10 +3,26 @@
 from __future__ import annotations
 
 import math
+import sys
+from typing import Any
 
 import pandas as pd
 from rich.console import Console
 from rich.table import Table
+
+#: Columns of output that is not a terminal: more than any line has, so that none is wrapped.
+_UNLIMITED = 100_000
+
+
+def make_console(**options: Any) -> Console:
+    """Return a console on the standard output, which wraps lines only where that is a terminal.
+
+    Parameters
+    ----------
+    **options
+        Further parameters of `rich.console.Console`.
+    """
+    return Console(width=None if sys.stdout.isatty() else _UNLIMITED, **options)
 
 
 def show(frame: pd.DataFrame, *, title: str) -> None:
@@ -26,7 +42,7 @@ def show(frame: pd.DataFrame, *, title: str) -> None:
         table.add_column(str(column), overflow="fold", no_wrap=k == 0, min_width=len(str(column)))
     for row in frame.itertuples(index=False):
         table.add_row(*map(_to_text, row))
-    Console(markup=False, highlight=False).print(table)
+    make_console(markup=False, highlight=False).print(table)
 
 
 def report_error(message: str) -> None:

@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
 from tusqh.cli import options
 from tusqh.cli.progress import shown
+from tusqh.cli.show import make_console
+from tusqh.settings.arguments import to_words
 from tusqh.settings.model import Settings
 
 
@@ -52,11 +53,14 @@ def view(
     """
     folder = Path(source)
     if folder.is_dir():
+        for word in to_words(settings):
+            if word.startswith("--"):
+                typer.echo(f"noted: {word} has no effect, since the results exist already")
         page = _from_folder(folder, output, unit)
     else:
         page = output or Path(folder.stem + ".html")
         _write_from_geometry(page, source, unit, settings)
-    console = Console(highlight=False, markup=False, soft_wrap=True)
+    console = make_console(highlight=False, markup=False, soft_wrap=True)
     console.print(f"{page} ({page.stat().st_size / 1e6:.1f} MB)")
     if is_opened and not webbrowser.open(page.absolute().as_uri()):
         console.print("no browser was found: open that file in one")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -66,7 +67,9 @@ def read_vtu(path: Path, *, name: str | None = None) -> VolumeMesh:
             remedy="check the path, or make the mesh first",
         )
     try:
-        grid = pyvista.read(path)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Of files without points, which are refused below.
+            grid = pyvista.read(path)
         types = set(np.unique(grid.celltypes).tolist())
     except Exception as reason:
         raise MeshError(

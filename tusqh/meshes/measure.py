@@ -9,6 +9,7 @@ from tusqh.errors import MeshError
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.meshes.checks import CONFORMITY, Check, check_mesh
 from tusqh.meshes.element_mesh import ElementMesh
+from tusqh.meshes.manifold import find_non_manifold_points
 from tusqh.topology.betti_numbers import BettiNumbers
 
 
@@ -60,6 +61,11 @@ class Measurement:
     def is_manifold(self) -> bool:
         """Whether the boundary is a manifold; False where an earlier check failed."""
         return any(check.id == "non_manifold_points" and check.holds for check in self.checks)
+
+    @cached_property
+    def n_non_manifold(self) -> int:
+        """Number of boundary points at which the boundary is not a manifold."""
+        return len(find_non_manifold_points(self.mesh.facets))
 
     @cached_property
     def smallest_scaled_jacobian(self) -> float:

@@ -18,6 +18,7 @@ from tusqh.pipeline.original import Original
 from tusqh.pipeline.persistence import find_persistence
 from tusqh.pipeline.result import Result
 from tusqh.pipeline.select import select
+from tusqh.pipeline.unused_settings import note_unused_settings
 from tusqh.progress import Progress, log_progress
 from tusqh.sampling.orient import orient
 from tusqh.settings.arguments import arguments_of, explains_unknown_arguments, from_arguments
@@ -172,6 +173,7 @@ def run_stages(
         name = Path(source).stem if isinstance(source, (str, Path)) else "model"
     progress("reading")
     reading = read_source(source, name=name, image=settings.image.to_dict())
+    reading = note_unused_settings(reading, settings)
     geometry = reading.geometry
     original = Original(
         geometry,

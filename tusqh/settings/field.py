@@ -45,6 +45,10 @@ class Setting:
         What the options of this section start with on the command line.
     metavar
         Placeholder for the value in the help of the command line.
+    kinds
+        Kinds of geometry for which it has an effect, "outline", "surface" or "image"; empty: all.
+    needs
+        Values of neighbours without which it has no effect.
     """
 
     sentence: str
@@ -59,6 +63,8 @@ class Setting:
     argument: str = ""
     prefix: str = ""
     metavar: str = ""
+    kinds: tuple[str, ...] = ()
+    needs: Mapping[str, Any] = dataclasses.field(default_factory=dict)
 
 
 @dataclasses.dataclass(frozen=True)

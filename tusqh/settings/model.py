@@ -44,7 +44,9 @@ class Settings(Section):
         argument="window",
         metavar="X0,Y0,X1,Y1",
     )
-    image: Voxels = setting("What the voxels of an image mean; only for images.", default=Voxels)
+    image: Voxels = setting(
+        "What the voxels of an image mean; only for images.", default=Voxels, kinds=("image",)
+    )
     goal: Goal = setting("How the threshold is chosen.", default=Goal, is_inline=True)
     policy: Policy = setting(
         "What to do about pinches and small features.", default=Policy, is_inline=True
@@ -78,6 +80,7 @@ class Model(Section):
         above=0,
         at_most=1,
         n_items=(3, 3),
+        kinds=("outline",),
     )
     simulation: Simulation = setting(
         "The release of a contaminant, in 3D of heat, and its diffusion.", default=Simulation

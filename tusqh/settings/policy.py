@@ -73,6 +73,7 @@ class Policy(Section):
         "every such path between different components, which may make holes (`all`), or not at "
         "all (`none`).",
         default="forest",
+        kinds=("outline",),
     )
     components: Criteria = setting(
         "What a component must meet to stay; each removal is a row in `features.csv`.",
@@ -82,9 +83,11 @@ class Policy(Section):
         "2D: what a hole must meet not to be filled; each filling is a row in `features.csv`.",
         default=Criteria,
         prefix="holes-",
+        kinds=("outline",),
     )
     voids: Criteria = setting(
         "3D: what a void must meet not to be filled; each filling is a row in `features.csv`.",
         default=Criteria,
         prefix="voids-",
+        kinds=("surface", "image"),
     )

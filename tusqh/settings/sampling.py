@@ -27,6 +27,7 @@ class Sampling(Section):
         at_least=2,
         multiple_of=2,
         metavar="N",
+        kinds=("outline", "surface"),
     )
     domain: Domain = setting(
         "Mesh what the geometry encloses (`inside`), or what it leaves out of the window "
@@ -37,17 +38,20 @@ class Sampling(Section):
         "Average the raw winding numbers of a cell (`average`), or clip each sample to [0, 1] "
         "first (`clamped`), which suits parts that overlap.",
         default="average",
+        kinds=("outline", "surface"),
     )
     orientation: Orientation = setting(
         "Turn parts that point inwards, and triangles that disagree with their part, then flip the "
         "sign of the winding number if its mean is negative (`auto`); leave everything (`as-is`); "
         "or flip the sign only (`flip`).",
         default="auto",
+        kinds=("outline", "surface"),
     )
     sampler: Sampler = setting(
         "Count crossings on the lattice of samples (`crossings`, exact and fast), or evaluate "
         "libigl at every sample (`libigl`, for comparison).",
         default="crossings",
+        kinds=("outline", "surface"),
     )
     tolerance: float = setting(
         "Largest error of a fraction before it is rounded to 2^-20, where the geometry is open; "
@@ -56,4 +60,6 @@ class Sampling(Section):
         at_least=1e-12,
         at_most=0.01,
         metavar="X",
+        kinds=("outline", "surface"),
+        needs={"sampler": "crossings"},
     )

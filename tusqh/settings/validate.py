@@ -213,7 +213,8 @@ def to_declared_types(value: Any, schema: Mapping, definitions: Mapping) -> Any:
 def from_text(value: Any, schema: Mapping, definitions: Mapping) -> Any:
     """Return a value in which numbers given as text are numbers, where its schema wants numbers.
 
-    Text with commas becomes a list where a list is allowed; text that cannot be converted stays.
+    Text with commas becomes a list where a list is allowed, and any text where only a list is;
+    text that cannot be converted stays.
 
     Parameters
     ----------
@@ -228,6 +229,8 @@ def from_text(value: Any, schema: Mapping, definitions: Mapping) -> Any:
     --------
     >>> from_text({"a": "2", "b": "2"}, {"properties": {"a": {"type": "number"}}}, {})
     {'a': 2.0, 'b': '2'}
+    >>> from_text("3", {"type": "array", "items": {"type": "integer"}}, {})
+    [3]
     """
     return _convert(value, schema, definitions, is_text=True)
 
@@ -243,7 +246,8 @@ def _convert(value: Any, schema: Mapping, definitions: Mapping, *, is_text: bool
             value = {
                 k: _convert(v, rules[k], definitions, is_text=is_text) for k, v in value.items()
             }
-        if kind == "array" and is_text and isinstance(value, str) and "," in value:
+        is_list = len(choices) == 1 or (isinstance(value, str) and "," in value)
+        if kind == "array" and is_text and isinstance(value, str) and is_list:
             value = [entry.strip() for entry in value.split(",")]
         if isinstance(value, list) and kind == "array":
             items = choice.get("items", {})

@@ -22,6 +22,7 @@ from tusqh.readers.formats import dimension_of, find_format
 from provenance.claims import load_claims
 from provenance.code import code_fingerprint, list_code
 from tusqh.quality.system_libraries import describe_missing
+from tusqh.settings.effect import find_without_effect
 from tusqh.settings.load import load_config
 from tusqh.settings.section import to_plain
 from studies.render_page import picture_name
@@ -113,6 +114,12 @@ def settings_of(name):
         return to_plain(getattr(owner, name))
 
     return settings
+
+
+def unused_settings_of(wildcards):
+    """Return a sentence for each setting of a model that has no effect on its geometry."""
+    kind = find_format(GEOMETRY[wildcards.model]).kind
+    return list(find_without_effect(MODELS[wildcards.model], kind))
 
 
 def threshold_of_placement(wildcards):

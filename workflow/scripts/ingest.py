@@ -6,10 +6,12 @@ from tusqh.geometry.canonical import write_geometry
 from tusqh.hashing import canonical_json
 from tusqh.pipeline.describe_reading import describe_reading, lines_of_reading
 from tusqh.pipeline.ingest import describe_geometry, read_source
+from tusqh.pipeline.unused_settings import with_unused
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
     reading = read_source(snakemake.params.source, image=snakemake.params.image)
+    reading = with_unused(reading, snakemake.params.unused)
     read = describe_reading(reading)
     for text in (*lines_of_reading(read).values(), *reading.remarks):
         log.info("%s", text)

@@ -1,0 +1,43 @@
+"""Remarks on settings that have no effect on a geometry."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from tusqh.geometry.image import Image
+from tusqh.geometry.outline import Outline
+from tusqh.geometry.remark import Remark
+from tusqh.readers.reading import Reading
+from tusqh.settings.effect import find_without_effect
+from tusqh.settings.model import Settings
+
+
+def note_unused_settings(reading: Reading, settings: Settings) -> Reading:
+    """Return a reading with a remark for each setting that has no effect on its geometry.
+
+    Parameters
+    ----------
+    reading
+        The geometry, and the remarks of the reader.
+    settings
+        The settings that were given.
+    """
+    kinds = {Image: "image", Outline: "outline"}
+    return with_unused(
+        reading, find_without_effect(settings, kinds.get(type(reading.geometry), "surface"))
+    )
+
+
+def with_unused(reading: Reading, unused: Iterable[str]) -> Reading:
+    """Return a reading with a remark for each sentence on a setting without an effect.
+
+    Parameters
+    ----------
+    reading
+        The geometry, and the remarks of the reader.
+    unused
+        Sentences of `tusqh.settings.effect.find_without_effect`.
+    """
+    found = [Remark("noted", f"setting without effect: {text}", 1, "remove it") for text in unused]
+    return replace(reading, remarks=(*reading.remarks, *found))

@@ -1,0 +1,55 @@
+"""Settings without an effect, by what their fields say they apply to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from tusqh.settings.field import entries_of
+from tusqh.settings.section import Section
+
+#: The plural of each kind of geometry.
+_PLURALS = {
+    "outline": "outlines, in 2D",
+    "surface": "surfaces",
+    "image": "images",
+}
+
+
+def find_without_effect(settings: Section, kind: str) -> Iterator[str]:
+    """Yield each setting that is not the default and has no effect, with what it applies to.
+
+    Parameters
+    ----------
+    settings
+        The settings of a mesh or of a model.
+    kind
+        The kind of geometry: "outline", "surface" or "image".
+
+    Examples
+    --------
+    >>> from tusqh.settings.model import Settings
+    >>> settings = Settings.from_dict({"bridges": "none"})
+    >>> list(find_without_effect(settings, "surface"))
+    ['`bridges` applies only to outlines, in 2D']
+    >>> list(find_without_effect(settings, "outline"))
+    []
+    """
+    return _find(settings, kind, prefix="", kinds=())
+
+
+def _find(settings: Section, kind: str, *, prefix: str, kinds: tuple[str, ...]) -> Iterator[str]:
+    """Yield the settings without an effect in a section that applies to some kinds."""
+    for entry in entries_of(type(settings)):
+        about, value = entry.setting, getattr(settings, entry.name)
+        name, applies_to = prefix + entry.name, about.kinds or kinds
+        needed = {key: wish for key, wish in about.needs.items() if getattr(settings, key) != wish}
+        if isinstance(value, Section):
+            inner = prefix if about.is_inline else f"{name}."
+            yield from _find(value, kind, prefix=inner, kinds=applies_to)
+        elif value == entry.default:
+            continue
+        elif applies_to and kind not in applies_to:
+            yield f"`{name}` applies only to {' and '.join(_PLURALS[k] for k in applies_to)}"
+        elif needed:
+            needs = " and ".join(f"`{key}: {wish}`" for key, wish in needed.items())
+            yield f"`{name}` applies only with {needs}"
