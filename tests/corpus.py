@@ -25,7 +25,7 @@ def sample():
             found = sorted(f for f in listed if f.suffix.lower() == suffix)
             step = -(-len(found) // MOST) or 1
             files += [Path(str(f.locate())) for f in found[::step]]
-    return sorted(files)
+    return sorted(set(files))
 
 
 def cases():

@@ -1,8 +1,6 @@
 """Sample files in installed packages: right by an independent reader, or refused with a reason."""
 
 import json
-from importlib import metadata
-from pathlib import Path
 
 import meshio
 import numpy as np
@@ -12,6 +10,7 @@ import shapefile
 import shapely
 import shapely.geometry
 import trimesh
+from corpus import sample
 from PIL import Image as Picture
 
 from tusqh.errors import GeometryError
@@ -21,31 +20,9 @@ from tusqh.geometry.outline import Outline
 from tusqh.geometry.outline_facts import OutlineFacts
 from tusqh.geometry.soup_facts import SoupFacts
 from tusqh.readers.files import read_file
-from tusqh.readers.formats import suffixes_of
 
-PACKAGES = (
-    *("matplotlib", "mfem", "mkdocs-material", "numpy", "plotly-geo", "pymeshlab", "pyvista"),
-    *("scikit-image", "scipy", "sphinx", "trimesh"),
-)
-#: Of each package and suffix at most this many files, evenly over their names.
-MOST = 20
 #: Files of more bytes are not among the default tests.
 LARGE = 2_000_000
-
-
-def sample():
-    """Return files of every supported format in the packages that are installed."""
-    files = []
-    for package in PACKAGES:
-        try:
-            listed = metadata.files(package) or []
-        except metadata.PackageNotFoundError:
-            continue
-        for suffix in set(suffixes_of()) - {".json", ".csv"}:
-            found = sorted(f for f in listed if f.suffix.lower() == suffix)
-            step = -(-len(found) // MOST) or 1
-            files += [Path(str(f.locate())) for f in found[::step]]
-    return sorted(set(files))
 
 
 def with_marks(path):

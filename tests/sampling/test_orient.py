@@ -8,8 +8,10 @@ import trimesh
 
 from tusqh.geometry.soup import Soup
 from tusqh.geometry.soup_facts import SoupFacts
+from tusqh.pipeline.sample import sample
 from tusqh.readers.files import read_file
 from tusqh.sampling.orient import orient
+from tusqh.settings.grid import Grid
 
 CASES = Path(__file__).parents[1] / "cases"
 
@@ -66,6 +68,37 @@ def test_assemblies_with_parts_inside_out_keep_every_part(seed):
         assert f"part {first + 1} of" in text(reading)
     else:
         assert not reading.remarks
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_every_part_of_an_assembly_inside_out_is_in_the_samples(seed):
+    rng = np.random.default_rng(100 + seed)
+    makers = [
+        lambda: trimesh.creation.icosphere(2, 1.0),
+        lambda: trimesh.creation.box(extents=rng.uniform(0.8, 2, 3)),
+        lambda: trimesh.creation.torus(0.7, 0.3, 16, 8),
+        lambda: trimesh.creation.annulus(0.3, 0.8, 1.0),
+    ]
+    n = int(rng.integers(2, 6))
+    turns = [trimesh.transformations.random_rotation_matrix(rng.random(3)) for _ in range(n)]
+    meshes = [makers[rng.integers(4)]().apply_transform(turn) for turn in turns]
+    for k, mesh in enumerate(meshes):
+        mesh.apply_translation([4 * k, 0, 0])
+    volumes = np.array([m.volume for m in meshes])
+    turned = np.flatnonzero(np.append(True, rng.random(n - 1) < 0.5))
+    for m in turned:
+        meshes[m].invert()
+    geometry = as_stl(soup_of(*meshes))
+    fractions = sample(geometry, grid=Grid(cell_size=0.15, placement="corner"))
+    assert fractions.volume() == pytest.approx(volumes.sum(), rel=0.01)
+    centres = fractions.grid.origin[0] + 0.15 * (np.arange(fractions.grid.shape[0]) + 0.5)
+    part = np.rint(centres / 4).astype(np.int64)
+    found = np.bincount(part, fractions.cells.sum(axis=(1, 2)) * 0.15**3, minlength=n)
+    assert found == pytest.approx(volumes, rel=0.05)
+    said = text(orient(geometry, "auto"))
+    assert f"changed: {len(turned)} parts turned" in said
+    for m in turned[:3]:
+        assert f"part {m + 1} of" in said
 
 
 @pytest.mark.parametrize("seed", range(20))
