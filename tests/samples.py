@@ -75,9 +75,12 @@ def write_surfaces(folder):
     }
     (folder / "box.gltf").write_text(json.dumps(document))
     surface = pyvista.Box((0, 1, 0, 2, 0, 3))
+    noted = surface.copy()
+    noted.user_dict["note"] = "any text"
     grid = pyvista.ImageData(dimensions=(2, 3, 2)).cast_to_unstructured_grid()
     for name, dataset, is_binary in (
         *(("binary.vtk", surface, True), ("text.vtk", surface, False), ("grid.vtk", grid, True)),
+        *(("texts.vtk", noted, True), ("noted.vtk", noted, False)),
         *(("box.vtp", surface, True), ("text.vtp", surface, False)),
         *(("grid.vtu", grid, True), ("text.vtu", grid, False)),
     ):

@@ -5,9 +5,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import pyvista
 
 import tusqh
+from tusqh.errors import GeometryError
 from tusqh.geometry.outline_facts import OutlineFacts
+from tusqh.geometry.soup_facts import SoupFacts
 from tusqh.readers.files import read_file
 
 SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1], [0, 0]])
@@ -63,3 +66,18 @@ def test_segments_that_agree_stay_as_they_are(tmp_path):
     reading = read_file(tmp_path / "a.csv")
     assert reading.geometry.n_segments == 4
     assert not reading.remarks
+
+
+@pytest.mark.parametrize("is_binary", [True, False])
+@pytest.mark.parametrize("length", [3, 100, 20_000])
+def test_texts_in_a_legacy_vtk_file_are_walked(tmp_path, is_binary, length):
+    box = pyvista.Box().triangulate()
+    box.user_dict["note"] = "x" * length
+    box.field_data["names"] = ["a", "b c", "d"]
+    box.save(tmp_path / "a.vtk", binary=is_binary)
+    facts = SoupFacts(read_file(tmp_path / "a.vtk").geometry)
+    assert facts.signed_volume == pytest.approx(8)
+    content = (tmp_path / "a.vtk").read_bytes()
+    (tmp_path / "a.vtk").write_bytes(content[: content.find(b"names") + 22])
+    with pytest.raises(GeometryError):
+        read_file(tmp_path / "a.vtk")

@@ -159,12 +159,15 @@ class _Walk:
 
     def take(self, n: int, kind: str, what: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
         """Walk some numbers, and return them."""
-        if kind in ("string", "variant"):
+        if kind == "variant":
             raise self.fault(
-                f"`{what}` is an array of text", remedy="leave out arrays of text, or save as .vtu"
+                f"`{what}` is an array of variants", remedy="leave it out, or save as .vtu"
             )
         if n < 0:
             raise ValueError(n)
+        if kind == "string":
+            self.strings(n, what)
+            return np.empty(0)
         if not self.is_binary:
             words = self.rest.split(None, n) if n else [self.rest]
             self.require(what, n, min(len(words), n))
@@ -175,6 +178,19 @@ class _Walk:
         self.require(what, size, min(size, len(self.rest)), "bytes")
         chosen, self.rest = self.rest[:size], self.rest[size:]
         return np.frombuffer(chosen, dtype=dtype).astype(np.float64)
+
+    def strings(self, n: int, what: str) -> None:
+        """Walk some texts: lines, or in binary files each after its length."""
+        for k in range(n):
+            if not self.rest:
+                raise self.fault(f"`{what}` promises {n} texts, the file holds {k}")
+            if not self.is_binary:
+                self.line()
+                continue
+            n_bytes = (8, 4, 2, 1)[self.rest[0] >> 6]  # The first two bits say how many it takes.
+            length = int.from_bytes(self.rest[:n_bytes], "big") & ((1 << (8 * n_bytes - 2)) - 1)
+            self.require(what, n_bytes + length, len(self.rest), "bytes")
+            self.rest = self.rest[n_bytes + length :]
 
     def require(self, what: str, wanted: int, found: int, unit: str = "numbers") -> None:
         """Raise where the file is cut off."""
