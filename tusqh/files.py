@@ -132,7 +132,7 @@ _GEOMETRY_TO_SELECTION = (
             "upper lower width threshold",
             _CELL_SET,
             _BETTI,
-            "raw_betti_0 raw_betti_1 raw_betti_2 raw_agrees",
+            "volume_ratio raw_betti_0 raw_betti_1 raw_betti_2 raw_agrees",
         ),
     ),
     ResultFile(
@@ -140,10 +140,10 @@ _GEOMETRY_TO_SELECTION = (
         "candidates.csv",
         "the intervals of the threshold that give the wanted topology, ranked, with margins",
         _columns(
-            "rank threshold upper lower width margin cell_margin unexamined plateaus",
+            "rank threshold upper lower width margin unexamined plateaus",
             _CELL_SET,
             _BETTI,
-            "raw_betti_0 raw_betti_1 raw_betti_2 raw_agrees status",
+            "volume_ratio raw_betti_0 raw_betti_1 raw_betti_2 raw_agrees status",
         ),
     ),
     ResultFile(

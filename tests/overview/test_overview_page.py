@@ -45,7 +45,10 @@ def write_model(folder: Path, name: str, *, holds: bool = True, n_rows: int = 3)
         "model": name,
         "tusqh": "0.1.0",
         "holds": holds,
-        "selection": {"wanted": NASTY, "threshold": 0.5, "margin": 0.1, "reason": NASTY},
+        "selection": {
+            **{"wanted": NASTY, "threshold": 0.5, "margin": 0.1, "reason": NASTY},
+            **{"lower": 0.4, "upper": 0.6, "cells_lower": 0.45, "cells_upper": 0.5},
+        },
         "predicted": {"effective": [1, 2, 0]},
         "measured": {"euler": [1, 2, 0]},
         "fractions": {"file": "fractions.npz", "sha256": "f" * 64},

@@ -36,7 +36,8 @@ def mesh_of(fractions, chosen):
 
 def test_a_hole_is_found_where_it_lives():
     chosen, candidates = choose(make_fractions(CELLS), target={"betti_0": 1, "betti_1": 1})
-    assert (chosen.threshold, chosen.margin, chosen.cell_margin) == (0.375, 0.125, 0.125)
+    assert (chosen.threshold, chosen.margin) == (0.375, 0.125)
+    assert (chosen.cells_lower, chosen.cells_upper) == (0.25, 0.5)
     assert chosen.interval == (0.25, 0.5, 0.125, 0)
     assert chosen.predicted == chosen.raw == (1, 1, 0)
     assert candidates["status"].tolist() == ["chosen"]
@@ -69,7 +70,7 @@ def test_thresholds_out_of_range(threshold):
 def test_a_fixed_threshold_says_how_far_it_can_move():
     chosen, candidates = choose(make_fractions(CELLS), threshold=0.3)
     assert chosen.interval[:2] == (0.25, 0.5)
-    assert chosen.margin == pytest.approx(0.05)
+    assert chosen.margin == 0.125  # Of the kept cells, the same all over the interval.
     assert len(candidates) == 0
 
 

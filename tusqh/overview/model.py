@@ -16,6 +16,7 @@ from tusqh.geometry.remark import Remark
 from tusqh.hashing import hash_file
 from tusqh.pipeline.describe_reading import lines_of_reading
 from tusqh.quality.verdict import compare_volumes, overall
+from tusqh.threshold.within_interval import describe_extent
 
 #: Columns of the register that say where a geometry comes from.
 _ORIGIN = ("origin", "licence", "url", "known_defects")
@@ -118,8 +119,11 @@ def read_model(
     lines = _describe_reading(reading) | {
         "wanted": chosen["wanted"],
         "predicted": f"Betti numbers {tuple(certificate['predicted']['effective'])}",
-        "threshold": f"{chosen['threshold']:.6g}, holds within ±{chosen['margin']:.3g}: "
-        + chosen["reason"],
+        "threshold": f"{chosen['threshold']:.6g}: "
+        + describe_extent(
+            (chosen["lower"], chosen["upper"]), (chosen["cells_lower"], chosen["cells_upper"])
+        )
+        + f"; {chosen['reason']}",
         "measured": f"Betti numbers {tuple(measured)}",
         "mesh": f"{facts['elements']:,} {kind} of {facts['grid']} cells, "
         f"{facts['pinches']:,} pinch{'' if facts['pinches'] == 1 else 'es'}, "

@@ -11,11 +11,13 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import Resolved, build_mesh, describe_mesh
 from tusqh.atomic import write_text
 from tusqh.certificate import make_certificate
+from tusqh.errors import TopologyError
 from tusqh.hashing import canonical_json
 from tusqh.meshes.checks import Check
 from tusqh.meshes.export import write_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.original import Original, to_warnings
+from tusqh.quality.comparison import OTHER_THRESHOLD
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.reference import Reference
 from tusqh.tables import write_csv
@@ -165,3 +167,27 @@ def build(
     reference = reference or original.reference(fractions)
     compared = original.compare(resolved, fractions, reference)
     return Built(selection, fractions, resolved, reference, original, tuple(compared))
+
+
+def require_volume(built: Built) -> None:
+    """Raise an error where the volume was to be matched and no threshold does it.
+
+    Parameters
+    ----------
+    built
+        The mesh whose volume is the nearest to that of the geometry.
+
+    Raises
+    ------
+    TopologyError
+        Its volume is farther off than the tolerance; the message says what helps.
+    """
+    check = next(check for check in built.comparison if check.id == "volume")
+    if not check.holds:
+        raise TopologyError(
+            f"the volume of the nearest mesh is {check.found}; wanted is {built.selection.wanted}",
+            where=built.mesh.name,
+            expected=f"a volume {check.required}",
+            remedy=check.remedy.replace(OTHER_THRESHOLD, "")
+            + "; `--volume-tolerance` allows a larger difference",
+        )

@@ -6,11 +6,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-from tusqh.errors import TopologyError
 from tusqh.geometry.image import Image
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.small_pieces import remarks_on_small_polygons
-from tusqh.pipeline.build import Built, build
+from tusqh.pipeline.build import build, require_volume
 from tusqh.pipeline.describe_reading import describe_reading
 from tusqh.pipeline.ingest import read_source
 from tusqh.pipeline.judge import judge
@@ -83,7 +82,8 @@ def mesh(
     persistence
         Instead: keep only features that live over at least this range of thresholds.
     volume
-        Instead: ``"match"`` takes the threshold whose mesh has the volume of the geometry.
+        ``"match"`` takes the threshold whose mesh has the volume of the geometry; with `betti` or
+        `persistence`, among those that give it.
     window
         Lowest and highest corner of the box to mesh in; the bounding box by default.
     domain
@@ -192,6 +192,7 @@ def run_stages(
         found.topology,
         policy=settings.policy,
         goal=settings.goal,
+        reference=reference,
         name=name,
         progress=progress,
     )
@@ -204,7 +205,7 @@ def run_stages(
         reference=reference,
     )
     if settings.goal.volume is not None:
-        _require_volume(built)
+        require_volume(built)
     progress("quality")
     judgement = judge(built.mesh, choice.selection.predicted, comparison=built.comparison)
     remarks = reading.remarks
@@ -216,15 +217,3 @@ def run_stages(
         remarks += remarks_on_small_polygons(geometry, fractions.grid, kept, is_outside=is_outside)
     read = describe_reading(reading)
     return Result(geometry, fractions, found, choice, built, judgement, settings, read, remarks)
-
-
-def _require_volume(built: Built) -> None:
-    """Raise an error where the volume was to be matched and no threshold does it."""
-    check = next(check for check in built.comparison if check.id == "volume")
-    if not check.holds:
-        raise TopologyError(
-            f"the volume of the nearest mesh is {check.found}",
-            where=built.mesh.name,
-            expected=f"a volume {check.required}",
-            remedy=f"{check.remedy}; `--volume-tolerance` allows a larger difference",
-        )

@@ -112,8 +112,7 @@ class Report:
         of_mesh = {
             "wanted": chosen.wanted,
             "predicted": f"Betti numbers {self.predicted}",
-            "threshold": f"{chosen.threshold:.6g}, holds within +-{chosen.margin:.3g}; "
-            + chosen.reason,
+            "threshold": f"{chosen.threshold:.6g}: {chosen.extent}; {chosen.reason}",
             "measured": f"Betti numbers {self.measured}, "
             + ("as predicted" if self.is_met else "NOT as predicted"),
             "mesh": f"{facts['elements']:,} {'hexes' if facts['dimension'] == 3 else 'quads'} of "

@@ -9,6 +9,7 @@ import pandas as pd
 from tusqh.antialias.cells import CellSets
 from tusqh.progress import Progress, log_progress
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.sampling.reference import Reference
 from tusqh.settings.goal import Goal
 from tusqh.settings.policy import Policy
 from tusqh.threshold.choose import choose_threshold
@@ -49,6 +50,7 @@ def find_plateaus(
     topology: Topology | None = None,
     *,
     policy: Policy | None = None,
+    reference: Reference | None = None,
     progress: Progress = log_progress,
 ) -> Plateaus:
     """Return the plateaus of the threshold, whose topologies are predicted when needed.
@@ -61,10 +63,13 @@ def find_plateaus(
         Their topology, where it was made before.
     policy
         What to do about pinches and small features; None: the defaults.
+    reference
+        The volume that a mesh should have; None: that of the fractions.
     progress
         Shows how many plateaus were examined.
     """
-    return Plateaus(CellSets(fractions, policy, topology=topology), progress=progress)
+    cell_sets = CellSets(fractions, policy, topology=topology)
+    return Plateaus(cell_sets, reference=reference, progress=progress)
 
 
 def select(
@@ -73,6 +78,7 @@ def select(
     *,
     policy: Policy | None = None,
     goal: Goal | None = None,
+    reference: Reference | None = None,
     name: str = "model",
     progress: Progress = log_progress,
 ) -> Choice:
@@ -88,6 +94,8 @@ def select(
         What to do about pinches and small features; None: the defaults.
     goal
         How the threshold is chosen; None: 1/2.
+    reference
+        The volume that the mesh should have; None: that of the fractions.
     name
         The model, for messages.
     progress
@@ -98,6 +106,8 @@ def select(
     TopologyError
         Nothing gives what is wanted; the message lists what is reachable.
     """
-    plateaus = find_plateaus(fractions, topology, policy=policy, progress=progress)
+    plateaus = find_plateaus(
+        fractions, topology, policy=policy, reference=reference, progress=progress
+    )
     selection, candidates = choose_threshold(plateaus, goal, name=name)
     return Choice(selection, plateaus, candidates)

@@ -19,6 +19,9 @@ from tusqh.sampling.reference import Reference
 #: A mesh is not suitable when its volume differs from that of the geometry by more than this part.
 FAR_OFF = 0.5
 
+#: The part of the remedy for volumes that does not help where the volume was to be matched.
+OTHER_THRESHOLD = ", another threshold, or `--match-volume`"
+
 #: Components of at most this many cells along each axis are small.
 _SMALL = 2
 
@@ -94,7 +97,7 @@ def _volume(resolved: Resolved, reference: Reference, thin: list[Check], toleran
     error = abs(ratio - 1)
     remedy = ""
     if error > tolerance:
-        remedy = "use smaller cells (`--cells`), another threshold, or `--match-volume`"
+        remedy = "use smaller cells (`--cells`)" + OTHER_THRESHOLD
         remedy = "; ".join(f"{check.found}: {check.remedy}" for check in thin) or remedy
     features = resolved.cells.features
     is_component = features["feature"] == "component"

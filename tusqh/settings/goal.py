@@ -108,7 +108,7 @@ class Target(Section):
 
 @dataclass(frozen=True)
 class Goal(Section):
-    """How the threshold is chosen: at most one of these is given.
+    """How the threshold is chosen: one of these; `volume` also with `target` or `persistence`.
 
     Examples
     --------
@@ -118,6 +118,10 @@ class Goal(Section):
 
     title: ClassVar[str] = "Threshold"
     alternatives: ClassVar[tuple[str, ...]] = ("threshold", "target", "persistence", "volume")
+    combinable: ClassVar[tuple[tuple[str, str], ...]] = (
+        ("target", "volume"),
+        ("persistence", "volume"),
+    )
 
     threshold: float | None = setting(
         "Keep cells with at least this volume fraction.",
@@ -145,8 +149,8 @@ class Goal(Section):
         metavar="P",
     )
     volume: Literal["match"] | None = setting(
-        "Instead of a threshold: `match` takes the threshold whose mesh has the winding-number "
-        "volume.",
+        "Instead of a threshold: `match` takes the threshold whose mesh has the volume nearest to "
+        "that of the geometry; with `target` or `persistence`, among the thresholds that give it.",
         default=None,
     )
 

@@ -58,7 +58,7 @@ def inner_type(hint: Any) -> Any:
 def _object(section: type, definitions: dict[str, Schema]) -> Schema:
     properties: dict[str, Schema] = {}
     required: list[str] = []
-    rules = _rules(getattr(section, "alternatives", ()))
+    rules = _rules(getattr(section, "alternatives", ()), getattr(section, "combinable", ()))
     for entry in entries_of(section):
         if entry.setting.is_inline:
             inner = _object(entry.hint, definitions)
@@ -77,9 +77,10 @@ def _object(section: type, definitions: dict[str, Schema]) -> Schema:
     return {**schema, "properties": properties}
 
 
-def _rules(alternatives: tuple[str, ...]) -> list[Schema]:
-    """Return rules that refuse two of these keys together."""
-    return [{"not": {"required": list(pair)}} for pair in combinations(alternatives, 2)]
+def _rules(alternatives: tuple[str, ...], combinable: tuple[tuple[str, str], ...]) -> list[Schema]:
+    """Return rules that refuse two of these keys together, unless they can be combined."""
+    refused = (pair for pair in combinations(alternatives, 2) if pair not in combinable)
+    return [{"not": {"required": list(pair)}} for pair in refused]
 
 
 def _property(entry: Entry, definitions: dict[str, Schema]) -> Schema:

@@ -21,6 +21,8 @@ class Section:
     title: ClassVar[str] = ""
     #: Fields of which at most one is given; the first one's `otherwise` applies without any.
     alternatives: ClassVar[tuple[str, ...]] = ()
+    #: Pairs of alternatives that may be given together.
+    combinable: ClassVar[tuple[tuple[str, str], ...]] = ()
 
     def __post_init__(self) -> None:
         """Fill in the first alternative where none is given."""

@@ -9,12 +9,18 @@ import pandas as pd
 
 from tusqh.antialias.cells import CellSets
 from tusqh.settings.policy import Policy
+from tusqh.threshold.by_volume import choose_by_volume
 from tusqh.threshold.candidates import CHOSEN, DISAGREES, list_plateaus, rank_candidates, try_cells
 from tusqh.threshold.describe_choice import describe_choice
-from tusqh.threshold.errors import grid_too_large_for_persistence, unreachable_persistence
+from tusqh.threshold.errors import (
+    grid_too_large_for_persistence,
+    no_threshold_alone,
+    unreachable_persistence,
+)
 from tusqh.threshold.first_verified import find_first_verified
 from tusqh.threshold.plateaus import BETTI, Plateaus
 from tusqh.threshold.selection import Selection
+from tusqh.threshold.within_interval import describe_place
 from tusqh.topology.persistence import count_alive
 
 #: At most this many thresholds are meshed to remove and fill short-lived features.
@@ -22,7 +28,7 @@ REMOVAL_TRIALS = 10
 
 
 def choose_by_persistence(
-    plateaus: Plateaus, persistence: float, *, name: str
+    plateaus: Plateaus, persistence: float, *, matches_volume: bool = False, name: str
 ) -> tuple[Selection, pd.DataFrame]:
     """Return a threshold at which only long-lived features are left.
 
@@ -35,6 +41,9 @@ def choose_by_persistence(
         The plateaus of the threshold.
     persistence
         Smallest range of thresholds over which a feature must live.
+    matches_volume
+        Take, of all thresholds at which no others live, the one whose mesh has the volume nearest
+        to that of the geometry.
     name
         The model, for messages.
 
@@ -46,7 +55,8 @@ def choose_by_persistence(
     Raises
     ------
     TopologyError
-        Neither does it, or the grid is too large to know the persistence of holes.
+        Neither does it, the grid is too large to know the persistence of holes, or the volume is
+        to be matched and no threshold does it.
     """
     topology = plateaus.cell_sets.topology
     if 1 not in topology.dimensions:
@@ -56,7 +66,12 @@ def choose_by_persistence(
     thresholds = plateaus.table["threshold"].to_numpy()
     short = count_alive(topology.pairs[is_short], thresholds)
     long = count_alive(topology.pairs[~is_short], thresholds)
-    chosen = _without_short_features(plateaus, short.sum(axis=1) == 0, wanted, name)
+    is_free = (short.sum(axis=1) == 0) & (plateaus.table["cells"] > 0).to_numpy()
+    if matches_volume:
+        if not is_free.any():
+            raise no_threshold_alone(wanted, name)
+        return choose_by_volume(plateaus, is_free, also=wanted, name=name)
+    chosen = _without_short_features(plateaus, is_free, wanted, name)
     if chosen is not None:
         return chosen
     counted = plateaus.table.assign(n_short=short.sum(axis=1), n_short_holes=short[:, 1])
@@ -71,8 +86,7 @@ def _without_short_features(
     plateaus: Plateaus, is_free: np.ndarray, wanted: str, name: str
 ) -> tuple[Selection, pd.DataFrame] | None:
     """Return the choice of a threshold at which no short-lived feature lives."""
-    is_wanted = pd.Series(is_free & (plateaus.table["cells"] > 0).to_numpy())
-    candidates = rank_candidates(plateaus.table, is_wanted)
+    candidates = rank_candidates(plateaus.table, pd.Series(is_free))
     found = find_first_verified(plateaus.cell_sets, candidates, name=name)
     if found is None:
         return None
@@ -82,8 +96,8 @@ def _without_short_features(
         row,
         trial.cells,
         wanted=wanted,
-        reason=f"nothing shorter-lived is there for {row['lower']:.4g} < t <= "
-        f"{row['upper']:.4g}, number {row['rank']} of {len(candidates)} such intervals",
+        reason=f"number {row['rank']} of {len(candidates)} intervals with nothing shorter-lived, "
+        f"the widest first; {describe_place(row)}",
         resolved=trial.resolved,
     )
     return selection, candidates

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from tusqh.settings.goal import Target
+from tusqh.threshold.by_volume import choose_by_volume
 from tusqh.threshold.candidates import rank_candidates
 from tusqh.threshold.describe_choice import describe_choice
 from tusqh.threshold.errors import unreachable_target
@@ -12,12 +13,16 @@ from tusqh.threshold.first_verified import find_first_verified
 from tusqh.threshold.goals import matches
 from tusqh.threshold.plateaus import Plateaus
 from tusqh.threshold.selection import Selection
+from tusqh.threshold.within_interval import describe_place
 
 
 def choose_by_target(
-    plateaus: Plateaus, target: Target, *, name: str
+    plateaus: Plateaus, target: Target, *, matches_volume: bool = False, name: str
 ) -> tuple[Selection, pd.DataFrame]:
     """Return the first interval with wanted Betti numbers whose mesh measures so.
+
+    Within the interval the threshold is that of the right volume, or 1/2, see
+    `tusqh.threshold.within_interval.take_threshold_of`.
 
     Parameters
     ----------
@@ -25,6 +30,9 @@ def choose_by_target(
         The plateaus of the threshold.
     target
         The wanted Betti numbers.
+    matches_volume
+        Take, of all thresholds with these Betti numbers, the one whose mesh has the volume nearest
+        to that of the geometry.
     name
         The model, for messages.
 
@@ -39,7 +47,12 @@ def choose_by_target(
         No threshold has them; the message lists what is reachable.
     """
     predicted = plateaus.table
-    candidates = rank_candidates(predicted, pd.Series(matches(predicted, target)))
+    is_wanted = matches(predicted, target)
+    if not (is_wanted & (predicted["cells"] > 0)).any():
+        raise unreachable_target(predicted, target, name)
+    if matches_volume:
+        return choose_by_volume(plateaus, is_wanted, also=str(target), name=name)
+    candidates = rank_candidates(predicted, pd.Series(is_wanted))
     found = find_first_verified(plateaus.cell_sets, candidates, name=name)
     if found is None:
         raise unreachable_target(predicted, target, name)
@@ -49,8 +62,8 @@ def choose_by_target(
         row,
         trial.cells,
         wanted=str(target),
-        reason=f"number {row['rank']} of {len(candidates)} intervals with {target}: "
-        f"{row['lower']:.4g} < t <= {row['upper']:.4g}",
+        reason=f"number {row['rank']} of {len(candidates)} intervals with {target}, the widest "
+        f"first; {describe_place(row)}",
         resolved=trial.resolved,
     )
     return selection, candidates

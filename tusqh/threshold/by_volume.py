@@ -1,27 +1,40 @@
-"""The threshold whose mesh has the volume of the geometry."""
+"""The threshold whose mesh has the volume of the geometry, among all or those wanted."""
 
 from __future__ import annotations
+
+from functools import partial
 
 import numpy as np
 import pandas as pd
 
+from tusqh.grid import BoolArray
 from tusqh.threshold.candidates import CHOSEN, DISAGREES, Trial, list_plateaus, try_cells
-from tusqh.threshold.describe_choice import describe_choice
-from tusqh.threshold.errors import no_mesh_as_predicted, nothing_kept
-from tusqh.threshold.plateaus import Plateaus
+from tusqh.threshold.describe_choice import describe_choice, find_interval_around
+from tusqh.threshold.errors import no_mesh_as_predicted, nothing_kept, unknown_volume
+from tusqh.threshold.plateaus import BETTI, Plateaus
 from tusqh.threshold.selection import Selection
 
 #: This many thresholds, nearest by the volume of their cells, are meshed to match a volume.
 VOLUME_TRIALS = 10
 
 
-def choose_by_volume(plateaus: Plateaus, *, name: str) -> tuple[Selection, pd.DataFrame]:
-    """Return the threshold whose mesh is closest to the winding-number volume.
+def choose_by_volume(
+    plateaus: Plateaus,
+    is_wanted: BoolArray | None = None,
+    *,
+    also: str = "",
+    name: str,
+) -> tuple[Selection, pd.DataFrame]:
+    """Return the threshold whose mesh has the volume nearest to that of the geometry.
 
     Parameters
     ----------
     plateaus
-        The plateaus of the threshold.
+        The plateaus of the threshold, with the volume of the geometry.
+    is_wanted
+        Which of them also give what else is wanted; None: all.
+    also
+        What else is wanted, in words.
     name
         The model, for messages.
 
@@ -33,20 +46,25 @@ def choose_by_volume(plateaus: Plateaus, *, name: str) -> tuple[Selection, pd.Da
     Raises
     ------
     TopologyError
-        No threshold keeps a cell, or no mesh measures as predicted.
+        The volume of the geometry is unknown, no threshold keeps a cell, or no mesh measures as
+        predicted.
     """
-    predicted, cell_sets = plateaus.table, plateaus.cell_sets
-    fractions = cell_sets.fractions
-    wanted = fractions.volume()
-    of_cells = predicted["cells"] * fractions.grid.cell_size**fractions.grid.dim
-    shown = predicted.assign(error=(of_cells - wanted).abs())[predicted["cells"] > 0]
-    if shown.empty:
+    predicted, cell_sets, wanted = plateaus.table, plateaus.cell_sets, plateaus.reference.volume
+    if wanted <= 0:
+        raise unknown_volume(name)
+    is_usable = (predicted["cells"] > 0).to_numpy()
+    if not is_usable.any():
         raise nothing_kept(cell_sets, predicted["threshold"].min(), name)
-    candidates = list_plateaus(shown.sort_values("error", kind="stable").head(VOLUME_TRIALS))
+    if is_wanted is not None:
+        is_usable = is_usable & is_wanted
+    # Of plateaus with the same cells and Betti numbers one is enough.
+    distinct = predicted[is_usable].drop_duplicates(["cells", *BETTI])
+    order = (distinct["volume_ratio"] - 1).abs().sort_values(kind="stable").index
+    candidates = list_plateaus(distinct.loc[order[:VOLUME_TRIALS]])
     errors = np.zeros(len(candidates))
     best: tuple[int, Trial] | None = None
     for index, threshold in enumerate(candidates["threshold"].to_numpy()):
-        trial = try_cells(cell_sets.at(threshold), fractions.grid, name=name)
+        trial = try_cells(cell_sets.at(threshold), cell_sets.fractions.grid, name=name)
         errors[index] = trial.resolved.mesh.measurement.volume / wanted - 1
         if not trial.is_verified:
             candidates.loc[index, "status"] = DISAGREES
@@ -62,9 +80,13 @@ def choose_by_volume(plateaus: Plateaus, *, name: str) -> tuple[Selection, pd.Da
         plateaus,
         row,
         trial.cells,
-        wanted="the winding-number volume",
-        reason="the mesh's volume differs from the winding-number volume by "
-        f"{100 * row['volume_error']:+.3g} %, the least of {len(candidates)} thresholds",
+        wanted=f"{plateaus.reference.source}, with {also}" if also else plateaus.reference.source,
+        reason=f"the mesh's volume differs from {plateaus.reference.source} by "
+        f"{100 * row['volume_error']:+.3g} %, the least of {len(candidates)} thresholds"
+        + (f" with {also}" if also else ""),
+        find_interval=partial(
+            find_interval_around, plateaus, float(row["threshold"]), trial.cells.predicted
+        ),
         resolved=trial.resolved,
     )
     return selection, candidates

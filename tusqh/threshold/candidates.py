@@ -76,7 +76,7 @@ def rank_candidates(predicted: pd.DataFrame, is_wanted: pd.Series) -> pd.DataFra
     --------
     >>> predicted = pd.DataFrame({
     ...     "upper": [1.0, 0.5, 0.4], "lower": [0.5, 0.4, 0.0], "width": [0.5, 0.1, 0.4],
-    ...     "threshold": [0.75, 0.45, 0.2], "cells": 1,
+    ...     "threshold": [0.75, 0.45, 0.2], "cells": 1, "volume_ratio": 1.0,
     ...     "betti_0": [1, 2, 1], "betti_1": 0, "betti_2": 0})
     >>> ranked = rank_candidates(predicted, predicted["betti_0"] == 1)
     >>> ranked[["rank", "threshold", "status"]].values.tolist()
@@ -95,8 +95,7 @@ def list_plateaus(plateaus: pd.DataFrame) -> pd.DataFrame:
     plateaus
         Rows of `tusqh.threshold.plateaus.Plateaus.table`.
     """
-    half = plateaus["width"] / 2
-    return _with_rank(plateaus.assign(margin=half, cell_margin=half, unexamined=0.0))
+    return _with_rank(plateaus.assign(margin=plateaus["width"] / 2, unexamined=0.0))
 
 
 def _with_rank(candidates: pd.DataFrame) -> pd.DataFrame:

@@ -1,7 +1,8 @@
 """The choice of a threshold.
 
-A user fixes the threshold, or asks for Betti numbers, for features that live long, or for the
-volume of the geometry (algorithm 3).
+A user fixes the threshold, or asks for Betti numbers, for features that live long, for the
+volume of the geometry, or for that volume among the thresholds that give what else is wanted
+(algorithm 3).
 """
 
 from __future__ import annotations
@@ -44,11 +45,14 @@ def choose_threshold(
         Nothing gives what is wanted; the message lists what is reachable.
     """
     goal = goal or Goal()
+    matches_volume = goal.volume is not None
     if goal.target is not None:
-        return choose_by_target(plateaus, goal.target, name=name)
+        return choose_by_target(plateaus, goal.target, matches_volume=matches_volume, name=name)
     if goal.persistence is not None:
-        return choose_by_persistence(plateaus, goal.persistence, name=name)
-    if goal.volume is not None:
+        return choose_by_persistence(
+            plateaus, goal.persistence, matches_volume=matches_volume, name=name
+        )
+    if matches_volume:
         return choose_by_volume(plateaus, name=name)
     assert goal.threshold is not None  # `Goal` fills it in.
     return take_threshold(plateaus, goal.threshold, name=name)

@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import partial
 
+import numpy as np
 import pandas as pd
 
-from tusqh.antialias.cells import CellSet
+from tusqh.antialias.cells import CellSet, CellSets
 from tusqh.antialias.resolve import Resolved
 from tusqh.settings.goal import Target
 from tusqh.settings.policy import Policy
 from tusqh.threshold.candidates import rank_candidates
 from tusqh.threshold.goals import matches
-from tusqh.threshold.plateaus import Plateaus
+from tusqh.threshold.plateaus import BETTI, Plateaus
 from tusqh.threshold.selection import Interval, Selection
+from tusqh.threshold.within_interval import margin_of
 from tusqh.topology.betti_numbers import BettiNumbers
 
 
@@ -36,7 +38,7 @@ def describe_choice(
     plateaus
         The plateaus of the threshold.
     row
-        The candidate: `threshold`, `cell_margin`, `lower`, `upper`, `margin`, `unexamined`.
+        The candidate: `threshold`, `lower`, `upper`, `margin`, `unexamined`.
     cells
         The cells of the candidate.
     wanted, reason
@@ -49,9 +51,11 @@ def describe_choice(
         The mesh, if one was made.
     """
     threshold = float(row["threshold"])
+    cells_lower, cells_upper = same_cells_around(plateaus.cell_sets, threshold)
     return Selection(
         threshold=threshold,
-        cell_margin=float(row["cell_margin"]),
+        cells_lower=cells_lower,
+        cells_upper=cells_upper,
         wanted=wanted,
         raw=plateaus.cell_sets.topology.betti_at(threshold),
         predicted=cells.predicted,
@@ -66,6 +70,49 @@ def describe_choice(
         cells=cells,
         resolved=resolved,
     )
+
+
+def same_cells_around(cell_sets: CellSets, threshold: float) -> tuple[float, float]:
+    """Return the ends of the interval of thresholds with the same cells: neighbouring fractions.
+
+    Parameters
+    ----------
+    cell_sets
+        The cells of every threshold.
+    threshold
+        Volume fraction in (0, 1].
+    """
+    fractions = np.clip(cell_sets.fractions.cells, 0.0, 1.0)
+    lower = fractions.max(where=fractions < threshold, initial=0.0)
+    return float(lower), float(fractions.min(where=fractions >= threshold, initial=1.0))
+
+
+def find_interval_around(plateaus: Plateaus, threshold: float, betti: BettiNumbers) -> Interval:
+    """Return the interval in which a threshold can move with the same Betti numbers.
+
+    Parameters
+    ----------
+    plateaus
+        The plateaus of the threshold; those of the interval are examined.
+    threshold
+        Volume fraction in (0, 1].
+    betti
+        The Betti numbers at the threshold.
+    """
+    same_cells = same_cells_around(plateaus.cell_sets, threshold)
+    row = plateaus.find_interval(threshold)
+    if row is None or tuple(row[BETTI]) != tuple(betti):
+        row = _plateau_around(plateaus.cell_sets, threshold)
+    ends = float(row["lower"]), float(row["upper"])
+    within = max(ends[0], same_cells[0]), min(ends[1], same_cells[1])
+    return Interval(*ends, margin=margin_of(within, ends), unexamined=float(row["unexamined"]))
+
+
+def _plateau_around(cell_sets: CellSets, threshold: float) -> pd.Series:
+    """Return the extent of the plateau around a threshold that was not examined."""
+    levels = np.concatenate([[1.0], cell_sets.levels, [0.0]])
+    upper, lower = levels[levels >= threshold].min(), levels[levels < threshold].max()
+    return pd.Series({"lower": lower, "upper": upper, "unexamined": 0.0})
 
 
 def _interval_of(row: Mapping[str, float] | pd.Series) -> Interval:

@@ -136,3 +136,39 @@ def nothing_kept(cell_sets: CellSets, threshold: float, name: str) -> TopologyEr
         "that meet the criteria",
         remedy="lower `threshold` or the criteria for `components`, or use a finer grid",
     )
+
+
+def unknown_volume(name: str) -> TopologyError:
+    """Return the error for a volume that is to be matched and is unknown.
+
+    Parameters
+    ----------
+    name
+        The model.
+    """
+    return TopologyError(
+        "`--match-volume` of a geometry that encloses nothing",
+        where=name,
+        expected="a geometry with a volume",
+        remedy="close the surface, use `--orientation flip` if its parts are inside out, or give a "
+        "`threshold`",
+    )
+
+
+def no_threshold_alone(wanted: str, name: str) -> TopologyError:
+    """Return the error for a volume to match where features would have to be removed as well.
+
+    Parameters
+    ----------
+    wanted
+        What was asked for, in words.
+    name
+        The model.
+    """
+    return TopologyError(
+        f"no threshold alone leaves {wanted}, so there is none whose volume could be matched",
+        where=name,
+        expected="a threshold at which no short-lived feature lives",
+        remedy="lower `persistence`, leave out `--match-volume` so that short-lived features are "
+        "removed and filled, or ask for Betti numbers with `--betti`",
+    )

@@ -11,12 +11,15 @@ import pandas as pd
 from tusqh.antialias.cells import CellSets
 from tusqh.grid import FloatArray, IntArray
 from tusqh.progress import Progress
+from tusqh.sampling.reference import Reference
+from tusqh.threshold.within_interval import margin_of, take_threshold_of
 
 BETTI = ["betti_0", "betti_1", "betti_2"]
 
 #: Columns of `Plateaus.table`.
 PREDICTED = ["upper", "lower", "width", "threshold", "cells", "clusters", "overruled", "bridges"]
-PREDICTED += ["removed", "filled", *BETTI, *(f"raw_{name}" for name in BETTI), "raw_agrees"]
+PREDICTED += ["removed", "filled", *BETTI, "volume_ratio"]
+PREDICTED += [*(f"raw_{name}" for name in BETTI), "raw_agrees"]
 
 #: Fields of open outlines have tens of thousands of plateaus, nearly all too narrow to be a
 #: robust choice.  This many are examined on a small grid, fewer where each one takes longer.
@@ -28,18 +31,28 @@ _CELLS_TO_EXAMINE = 20_000_000
 class Plateaus:
     """The plateaus of the threshold and the topology of their meshes, predicted when needed.
 
-    Of too many plateaus the widest half and an even spread of the others are examined.
+    Of too many plateaus the widest half, that of 1/2 and an even spread of the others are examined.
 
     Parameters
     ----------
     cell_sets
         The cells of every threshold.
+    reference
+        The volume that a mesh should have; None: that of the fractions.
     progress
         Shows how many plateaus were examined when all are; nothing by default.
     """
 
-    def __init__(self, cell_sets: CellSets, *, progress: Progress | None = None) -> None:
+    def __init__(
+        self,
+        cell_sets: CellSets,
+        *,
+        reference: Reference | None = None,
+        progress: Progress | None = None,
+    ) -> None:
         self.cell_sets = cell_sets
+        fractions = cell_sets.fractions
+        self.reference = reference or Reference(fractions.volume(), "the winding-number volume")
         self._progress = progress
         levels = np.append(cell_sets.levels, 0.0)
         if levels[0] < 1.0:
@@ -59,8 +72,9 @@ class Plateaus:
         One row per plateau, from high to low: every threshold ``t`` with ``lower < t <= upper``
         gives the same mesh; `width`; `threshold`, its middle; `cells` kept; `clusters` of
         pinches and how many were `overruled`; `bridges`, components `removed` and `filled`
-        holes or voids; `betti_0`, `betti_1`, `betti_2` of the mesh and ``raw_betti_*`` of the
-        filtration; `raw_agrees`, whether these are the same.
+        holes or voids; `betti_0`, `betti_1`, `betti_2` of the mesh; `volume_ratio`, the volume of
+        the kept cells over that of the geometry, NaN where that is unknown; ``raw_betti_*`` of the
+        filtration; `raw_agrees`, whether these are those of the mesh.
         """
         report = self._progress("plateaus") if self._progress else None
         for index in range(len(self)):
@@ -125,8 +139,15 @@ class Plateaus:
                 "removed": n_removed,
                 "filled": cells.n_filled,
                 **cells.predicted._asdict(),
+                "volume_ratio": self._volume_ratio(int(cells.kept.sum())),
             }
         return self._rows[index]
+
+    def _volume_ratio(self, n_cells: int) -> float:
+        if self.reference.volume <= 0:
+            return float("nan")
+        grid = self.cell_sets.fractions.grid
+        return n_cells * grid.cell_size**grid.dim / self.reference.volume
 
     def _tabulate(self, part: slice) -> pd.DataFrame:
         upper, lower = self.upper[part], self.lower[part]
@@ -149,18 +170,19 @@ def merge_intervals(predicted: pd.DataFrame, is_wanted: pd.Series | None = None)
     -------
     intervals
         One row per run, from high to low: `upper`, `lower`, `width`; `unexamined`, the width
-        within it that no examined plateau covers; `threshold`, the middle of the plateau nearest
-        to the middle of the run; `margin`, its distance to the ends of the run; `cell_margin`,
-        its distance to where any cell or sub-cell changes; and the columns of that plateau.
+        within it that no examined plateau covers; `threshold`, see
+        `tusqh.threshold.within_interval.take_threshold_of`; `margin`, the distance of its cells to
+        the ends of the run, see `tusqh.threshold.within_interval.margin_of`; and the columns of
+        its plateau.
 
     Examples
     --------
     >>> predicted = pd.DataFrame({
     ...     "upper": [1.0, 0.5, 0.25], "lower": [0.5, 0.25, 0.0], "width": [0.5, 0.25, 0.25],
-    ...     "threshold": [0.75, 0.375, 0.125], "cells": [3, 4, 5],
+    ...     "threshold": [0.75, 0.375, 0.125], "cells": [3, 4, 5], "volume_ratio": [0.75, 1, 1.25],
     ...     "betti_0": [1, 1, 2], "betti_1": [0, 0, 0], "betti_2": [0, 0, 0]})
     >>> merge_intervals(predicted)[["upper", "lower", "threshold", "margin"]].values.tolist()
-    [[1.0, 0.25, 0.75, 0.25], [0.25, 0.0, 0.125, 0.125]]
+    [[1.0, 0.25, 0.375, 0.25], [0.25, 0.0, 0.125, 0.125]]
     """
     use = (predicted["cells"] > 0).to_numpy()
     if is_wanted is not None:
@@ -172,22 +194,22 @@ def merge_intervals(predicted: pd.DataFrame, is_wanted: pd.Series | None = None)
     rows = []
     for _, members in predicted[use].groupby(run[use], sort=True):
         upper, lower = float(members["upper"].iloc[0]), float(members["lower"].iloc[-1])
-        nearest = int((members["threshold"] - (upper + lower) / 2).abs().to_numpy().argmin())
-        plateau: dict[str, Any] = {str(k): v for k, v in members.iloc[nearest].items()}
-        threshold = plateau.pop("threshold")
+        index, threshold = take_threshold_of(members)
+        plateau: dict[str, Any] = {str(k): v for k, v in members.iloc[index].items()}
+        same = members[members["cells"] == plateau["cells"]]
+        same_cells = float(same["lower"].iloc[-1]), float(same["upper"].iloc[0])
         extent = {
             "threshold": threshold,
             "upper": upper,
             "lower": lower,
             "width": upper - lower,
-            "margin": min(threshold - lower, upper - threshold),
-            "cell_margin": plateau.pop("width") / 2,
+            "margin": margin_of(same_cells, (lower, upper)),
             "unexamined": max(0.0, upper - lower - float(members["width"].sum())),
             "plateaus": len(members),
         }
         rows.append({**{k: v for k, v in plateau.items() if k not in extent}, **extent})
-    columns = ["threshold", "upper", "lower", "width", "margin", "cell_margin", "unexamined"]
-    columns += ["plateaus", *(c for c in predicted.columns if c not in (*columns, "plateaus"))]
+    columns = ["threshold", "upper", "lower", "width", "margin", "unexamined", "plateaus"]
+    columns += [c for c in predicted.columns if c not in columns]
     return pd.DataFrame(rows, columns=columns)
 
 
@@ -218,12 +240,13 @@ def list_intervals(intervals: pd.DataFrame) -> str:
 
 
 def _choose(upper: FloatArray, lower: FloatArray, n_cells: int) -> IntArray:
-    """Return the plateaus to examine: all, or the widest half and an even spread."""
+    """Return the plateaus to examine: all, or the widest half, that of 1/2, and an even spread."""
     limit = int(np.clip(_CELLS_TO_EXAMINE // n_cells, MIN_PLATEAUS, MAX_PLATEAUS))
     if len(upper) <= limit:
         return np.arange(len(upper), dtype=np.int64)
     widest = np.argsort(lower - upper, kind="stable")[: limit // 2]
-    thresholds = (np.arange(limit - len(widest)) + 0.5) / (limit - len(widest))
+    n_spread = limit - len(widest) - 1
+    thresholds = np.append((np.arange(n_spread) + 0.5) / n_spread, 0.5)
     # Plateaus go from high to low: the first whose lower end is below the threshold holds it.
     spread = np.searchsorted(-lower, -thresholds, side="right")
     return np.unique(np.concatenate([widest, spread])).astype(np.int64)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, Self
 from tusqh.antialias.cells import CellSet
 from tusqh.antialias.resolve import Resolved
 from tusqh.settings.policy import Policy
+from tusqh.threshold.within_interval import describe_extent
 from tusqh.topology.betti_numbers import BettiNumbers
 
 
@@ -23,7 +24,8 @@ class Interval(NamedTuple):
     lower, upper
         Every examined threshold ``t`` with ``lower < t <= upper`` has them.
     margin
-        Distance of the chosen threshold to the nearer end.
+        Distance of the kept cells to the nearer end, see
+        `tusqh.threshold.within_interval.margin_of`.
     unexamined
         Width within the interval that no examined plateau covers.
     """
@@ -42,8 +44,8 @@ class Selection:
     ----------
     threshold
         Dimensionless, in (0, 1].
-    cell_margin
-        Distance to the nearest fraction of a cell or sub-cell, where the cells may change.
+    cells_lower, cells_upper
+        Every threshold ``t`` with ``cells_lower < t <= cells_upper`` gives the same cells.
     wanted
         What was asked for, in words.
     raw
@@ -63,7 +65,8 @@ class Selection:
     """
 
     threshold: float
-    cell_margin: float
+    cells_lower: float
+    cells_upper: float
     wanted: str
     raw: BettiNumbers
     predicted: BettiNumbers
@@ -83,8 +86,13 @@ class Selection:
 
     @property
     def margin(self) -> float:
-        """Distance of the threshold to the nearer end of the interval."""
+        """Distance of the kept cells to the nearer end of the interval."""
         return self.interval.margin
+
+    @property
+    def extent(self) -> str:
+        """How far the threshold can move with the same topology and the same cells, in words."""
+        return describe_extent(self.interval[:2], (self.cells_lower, self.cells_upper))
 
     @cached_property
     def without_features(self) -> str:
@@ -100,7 +108,8 @@ class Selection:
         return {
             "threshold": self.threshold,
             **self.interval._asdict(),
-            "cell_margin": self.cell_margin,
+            "cells_lower": self.cells_lower,
+            "cells_upper": self.cells_upper,
             "wanted": self.wanted,
             "raw": list(self.raw),
             "predicted": list(self.predicted),

@@ -8,6 +8,7 @@ rule mesh:
         grid=settings_of("grid"),
         window=settings_of("window"),
         sampling=settings_of("sampling"),
+        goal=settings_of("goal"),
         quality=settings_of("quality"),
         threshold=threshold_of_placement,
     priority: MODELS_FIRST

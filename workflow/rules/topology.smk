@@ -11,11 +11,13 @@ rule persistence:
 
 rule select:
     input:
-        **files("fractions", "curves", "diagram"),
+        **files("geometry", "fractions", "curves", "diagram"),
     output:
         **files("selection"),
         **shown("topologies", "candidates"),
     params:
+        window=settings_of("window"),
+        sampling=settings_of("sampling"),
         goal=settings_of("goal"),
         policy=settings_of("policy"),
     priority: MODELS_FIRST

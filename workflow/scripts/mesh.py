@@ -2,7 +2,7 @@ from pathlib import Path
 
 from provenance.record import recorded
 from tusqh.geometry.canonical import load_geometry
-from tusqh.pipeline.build import build
+from tusqh.pipeline.build import build, require_volume
 from tusqh.pipeline.original import Original
 from tusqh.sampling.io import load_fractions
 from tusqh.threshold.selection import load_selection
@@ -18,5 +18,7 @@ with recorded(snakemake) as log:
         name=snakemake.wildcards.model,
         original=Original.from_dict(geometry, snakemake.params),
     )
+    if snakemake.params.goal.get("volume"):
+        require_volume(built)
     log.info("%(elements)d elements, Betti numbers %(betti_measured)s", built.facts)
     built.write(fractions=fractions, **{name: Path(snakemake.output[name]) for name in WRITTEN})

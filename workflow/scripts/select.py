@@ -4,22 +4,34 @@ import pandas as pd
 
 from provenance.record import recorded
 from tusqh.atomic import write_text
+from tusqh.geometry.canonical import load_geometry
 from tusqh.hashing import canonical_json
 from tusqh.pipeline.select import select
 from tusqh.sampling.io import load_fractions
+from tusqh.sampling.reference import find_reference
 from tusqh.settings.goal import Goal
+from tusqh.settings.grid import Window
 from tusqh.settings.policy import Policy
+from tusqh.settings.sampling import Sampling
 from tusqh.tables import write_csv
 from tusqh.topology.topology import Topology
 
 with recorded(snakemake) as log:
     fractions = load_fractions(Path(snakemake.input.fractions))
     curves, pairs = pd.read_csv(snakemake.input.curves), pd.read_csv(snakemake.input.diagram)
+    window = snakemake.params.window
+    reference = find_reference(
+        load_geometry(Path(snakemake.input.geometry)),
+        fractions,
+        sampling=Sampling.from_dict(snakemake.params.sampling),
+        window=window and Window.from_dict(window).box,
+    )
     choice = select(
         fractions,
         Topology.from_tables(fractions.multiples, curves, pairs),
         policy=Policy.from_dict(snakemake.params.policy),
         goal=Goal.from_dict(snakemake.params.goal),
+        reference=reference,
         name=snakemake.wildcards.model,
     )
     selection, topologies = choice.selection, choice.topologies
