@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tusqh.contacts.emit_spatial import emit_spatial
 from tusqh.contacts.emitter import Emitted
@@ -15,10 +17,13 @@ from tusqh.contacts.planar import PlanarDecision, around_vertices, decide_balls,
 from tusqh.contacts.predict import Contacts, Labels, predict_betti, predict_solid
 from tusqh.contacts.spatial import decide_sticks
 from tusqh.contacts.spatial_votes import LAYERS
+from tusqh.contacts.voxel_fractions import fractions_of_labels
 from tusqh.errors import TopologyError
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.facets import find_facets
+from tusqh.meshes.formats import write_mesh
 from tusqh.meshes.measure import Measurement
+from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.topology.betti_numbers import BettiNumbers
 
@@ -84,7 +89,17 @@ class MaterialMesh:
         name
             The material.
         """
-        return _take(self.mesh, self.material == self.names.index(name), name)
+        return _take(self.mesh, np.flatnonzero(self.material == self.names.index(name)), name)
+
+    def write(self, path: Path) -> None:
+        """Write all elements with their materials, see `tusqh.meshes.formats.write_mesh`.
+
+        Parameters
+        ----------
+        path
+            File to write; its suffix names the format.
+        """
+        write_mesh(path, self.mesh, Regions(self.names, self.material))
 
     @cached_property
     def measured(self) -> dict[str, Measurement]:
@@ -95,8 +110,8 @@ class MaterialMesh:
     @cached_property
     def measured_solid(self) -> Measurement:
         """The measurement of all materials together without the void."""
-        is_solid = self.material != len(self.names) - 1
-        return _take(self.mesh, is_solid, self.mesh.name).measurement
+        solid = np.flatnonzero(self.material != len(self.names) - 1)
+        return _take(self.mesh, solid, self.mesh.name).measurement
 
     @property
     def is_as_predicted(self) -> bool:
@@ -112,7 +127,7 @@ class MaterialMesh:
 
 
 def mesh_materials(
-    fractions: MaterialFractions,
+    source: MaterialFractions | NDArray[np.integer],
     *,
     thresholds: Mapping[str, float] | None = None,
     with_void: bool = False,
@@ -125,8 +140,9 @@ def mesh_materials(
 
     Parameters
     ----------
-    fractions
-        Fractions of all materials on a background grid.
+    source
+        Fractions of all materials on a background grid, or an image of labels whose voxels are the
+        cells; `tusqh.contacts.fractions_of_labels` takes further options.
     thresholds
         Thresholds of materials, above 0 and at most 1; 1 for the others.  For one material, the
         thresholds t and 1 - t of material and void keep the cells with at least the fraction t.
@@ -139,24 +155,25 @@ def mesh_materials(
     ------
     TopologyError
         A threshold is out of range or of no material.
+    SamplingError
+        The image is not one of labels.
 
     Examples
     --------
-    >>> from tusqh.contacts.voxel_fractions import fractions_of_labels
-    >>> image = np.array([[1, 2], [2, 1]])
-    >>> found = mesh_materials(fractions_of_labels(image))
+    >>> found = mesh_materials(np.array([[1, 2], [2, 1]]))
     >>> {name: str(betti) for name, betti in found.predicted.items()}
     {'1': '(1, 0, 0)', '2': '(2, 0, 0)', 'void': '(1, 1, 0)'}
     >>> found.is_as_predicted, found.mesh.n_cells
     (True, 24)
     """
+    fractions = source if isinstance(source, MaterialFractions) else fractions_of_labels(source)
     t = _round_thresholds(fractions.names, dict(thresholds or {}))
     layers = 1 if fractions.grid.dim == 2 else LAYERS
     labels = np.pad(fractions.label_cells(t), layers, constant_values=fractions.void)
     decide = _decide_planar if fractions.grid.dim == 2 else _decide_spatial
     emitted, contacts, n_overruled = decide(fractions, labels, t, name)
     predicted = predict_betti(labels, contacts, len(fractions.names))
-    kept = slice(None) if with_void else emitted.material != fractions.void
+    kept = np.flatnonzero((emitted.material != fractions.void) | with_void)
     return MaterialMesh(
         mesh=_take(_renumber(emitted.mesh, labels.shape, layers), kept, name),
         names=fractions.names,
@@ -222,12 +239,15 @@ def _renumber(mesh: VolumeMesh, shape: tuple[int, ...], layers: int) -> VolumeMe
     return replace(mesh, grid_cell=np.where(is_inside, flat, -1))
 
 
-def _take(mesh: VolumeMesh, chosen: slice | IntArray, name: str) -> VolumeMesh:
+def _take(mesh: VolumeMesh, chosen: IntArray, name: str) -> VolumeMesh:
     """Return some elements of a mesh and their points."""
-    used, corners = np.unique(mesh.cells[chosen], return_inverse=True)
+    cells = mesh.cells[chosen]
+    is_used = np.zeros(len(mesh.points), dtype=bool)
+    is_used[cells] = True
+    number = np.cumsum(is_used, dtype=np.int64) - 1
     return VolumeMesh(
-        points=mesh.points[used],
-        cells=corners.reshape(-1, mesh.cells.shape[1]).astype(np.int64),
+        points=mesh.points[is_used],
+        cells=number[cells],
         kind=mesh.kind[chosen],
         grid_cell=mesh.grid_cell[chosen],
         name=name,

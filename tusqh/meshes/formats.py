@@ -15,6 +15,7 @@ from tusqh.extras import require
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.boundary import SIDES, Boundary, describe_side
 from tusqh.meshes.export import write_vtu
+from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
 
 #: Local facet to the number that a format gives it, in the order of `HEX_FACETS`; the sides of
@@ -30,7 +31,7 @@ _ABAQUS_NUMBER = "%.13g"
 _DUST = 1e-12
 
 
-def write_mesh(path: Path, mesh: VolumeMesh) -> None:
+def write_mesh(path: Path, mesh: VolumeMesh, regions: Regions | None = None) -> None:
     """Write a mesh in the format of a file's suffix, whole or not at all.
 
     ``.vtu`` (VTK), ``.mesh`` (MFEM, boundary attributes), ``.msh`` (Gmsh 2.2 in ASCII, physical
@@ -43,6 +44,9 @@ def write_mesh(path: Path, mesh: VolumeMesh) -> None:
         File to write.
     mesh
         The mesh.
+    regions
+        Material of every element: cell data `material` of VTU, attributes of MFEM, physical groups
+        of Gmsh, blocks of Exodus and element sets of Abaqus, numbered from 1; None: one, `solid`.
 
     Raises
     ------
@@ -58,9 +62,11 @@ def write_mesh(path: Path, mesh: VolumeMesh) -> None:
             remedy="lower the threshold",
         )
     if path.suffix == ".vtu":
-        write_vtu(path, mesh)
+        numbers = None if regions is None else {"material": regions.material + 1.0}
+        write_vtu(path, mesh, cell_data=numbers)
     else:
-        _WRITERS[path.suffix](path, mesh, mesh.boundary)
+        regions = regions or Regions.single(mesh.n_cells)
+        _WRITERS[path.suffix](path, mesh, regions, mesh.boundary)
 
 
 def require_format(path: Path) -> None:
@@ -85,15 +91,19 @@ def require_format(path: Path) -> None:
         )
 
 
-def _write_mfem(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
+def _write_mfem(path: Path, mesh: VolumeMesh, regions: Regions, boundary: Boundary) -> None:
     text = io.StringIO()
     geometry, facet = (3, 1) if mesh.dim == 2 else (5, 3)
     text.write("MFEM mesh v1.0\n\n# Boundary attributes:\n")
     for attribute in np.unique(boundary.attribute):
         name = SIDES[attribute - 1]
         text.write(f"# {attribute} {name}: {describe_side(name)}\n")
+    if len(regions.names) > 1:
+        text.write("\n# Attributes of elements:\n")
+        for region in regions.present:
+            text.write(f"# {region.number} {region.name}\n")
     text.write(f"\ndimension\n{mesh.dim}\n\nelements\n{mesh.n_cells}\n")
-    head = np.tile([1, geometry], (mesh.n_cells, 1))
+    head = np.stack([regions.material + 1, np.full(mesh.n_cells, geometry)], axis=1)
     np.savetxt(text, np.hstack([head, mesh.cells]), fmt="%d")
     text.write(f"\nboundary\n{len(boundary.corners)}\n")
     head = np.stack([boundary.attribute, np.full(len(boundary.corners), facet)], axis=1)
@@ -103,40 +113,47 @@ def _write_mfem(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
     write_text(path, text.getvalue())
 
 
-def _write_gmsh(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
+def _write_gmsh(path: Path, mesh: VolumeMesh, regions: Regions, boundary: Boundary) -> None:
     import meshio
 
-    # The attribute of the elements, 1 in other formats, must differ from those of the sides here.
-    solid = len(SIDES) + 1
-    groups = [boundary.attribute, np.full(mesh.n_cells, solid)]
+    # The numbers of regions, from 1 in other formats, must differ from those of the sides here.
+    groups = [boundary.attribute, len(SIDES) + 1 + regions.material]
     present = np.unique(boundary.attribute)
     names = {SIDES[k - 1]: np.array([k, mesh.dim - 1]) for k in present}
+    names |= {r.name: np.array([len(SIDES) + r.number, mesh.dim]) for r in regions.present}
     out = _to_meshio(
         mesh,
         [("line" if mesh.dim == 2 else "quad", boundary.corners)],
         cell_data={"gmsh:physical": groups, "gmsh:geometrical": groups},
-        field_data={**names, "solid": np.array([solid, mesh.dim])},
+        field_data=names,
     )
     with replacing(path) as temporary:
         # OpenFOAM, getfem, NGSolve and deal.II do not read the binary form.
         meshio.gmsh.write(temporary, out, fmt_version="2.2", binary=False)
 
 
-def _write_exodus(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
+def _write_exodus(path: Path, mesh: VolumeMesh, regions: Regions, boundary: Boundary) -> None:
     import meshio
 
     netCDF4 = require("netCDF4", extra="formats")
 
     faces = _numbers(mesh.dim, boundary.local, _EXODUS_FACES)
     present = np.unique(boundary.attribute)
+    # Elements are numbered block by block.
+    number = np.empty(mesh.n_cells, dtype=np.int64)
+    number[np.concatenate([r.elements for r in regions.present])] = np.arange(mesh.n_cells)
     with replacing(path) as temporary:
-        meshio.exodus.write(temporary, _to_meshio(mesh, []))
+        kind = "quad" if mesh.dim == 2 else "hexahedron"
+        blocks = [(kind, mesh.cells[region.elements]) for region in regions.present]
+        meshio.exodus.write(temporary, meshio.Mesh(mesh.points_in_space(), blocks))
         with netCDF4.Dataset(temporary, "a") as file:
             file.title = mesh.name  # In place of meshio's, which has the time in it.
-            file["eb_prop1"][:] = 1  # meshio counts blocks from 0, other programs from 1.
+            # meshio counts blocks from 0, other programs from 1.
+            file["eb_prop1"][:] = [region.number for region in regions.present]
             width = file.dimensions["len_string"].size
-            blocks = file.createVariable("eb_names", "S1", ("num_el_blk", "len_string"))
-            blocks[0] = _to_characters("solid", width)
+            named = file.createVariable("eb_names", "S1", ("num_el_blk", "len_string"))
+            for k, region in enumerate(regions.present):
+                named[k] = _to_characters(region.name, width)
             file.createDimension("num_side_sets", len(present))
             file.createVariable("ss_status", "i4", ("num_side_sets",))[:] = 1
             ids = file.createVariable("ss_prop1", "i4", ("num_side_sets",))
@@ -147,7 +164,7 @@ def _write_exodus(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
                 members = boundary.attribute == attribute
                 file.createDimension(f"num_side_ss{k}", int(members.sum()))
                 elements = file.createVariable(f"elem_ss{k}", "i4", (f"num_side_ss{k}",))
-                elements[:] = boundary.element[members] + 1
+                elements[:] = number[boundary.element[members]] + 1
                 sides = file.createVariable(f"side_ss{k}", "i4", (f"num_side_ss{k}",))
                 sides[:] = faces[members]
                 names[k - 1] = _to_characters(SIDES[attribute - 1], width)
@@ -158,7 +175,7 @@ def _to_characters(label: str, width: int) -> Any:
     return np.frombuffer(label.ljust(width, "\0").encode(), dtype="S1")
 
 
-def _write_abaqus(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
+def _write_abaqus(path: Path, mesh: VolumeMesh, regions: Regions, boundary: Boundary) -> None:
     faces = _numbers(mesh.dim, boundary.local, _ABAQUS_FACES)
     text = io.StringIO()
     text.write(f"*HEADING\n{mesh.name}\n*NODE\n")
@@ -167,9 +184,10 @@ def _write_abaqus(path: Path, mesh: VolumeMesh, boundary: Boundary) -> None:
     form = ["%d"] + 3 * [_ABAQUS_NUMBER]
     np.savetxt(text, np.column_stack([number, points]), fmt=form, delimiter=", ")
     kind = "CPS4" if mesh.dim == 2 else "C3D8"
-    text.write(f"*ELEMENT, TYPE={kind}, ELSET=solid\n")
-    number = np.arange(1, mesh.n_cells + 1)
-    np.savetxt(text, np.column_stack([number, mesh.cells + 1]), fmt="%d", delimiter=", ")
+    for region in regions.present:
+        text.write(f"*ELEMENT, TYPE={kind}, ELSET={region.name}\n")
+        rows = np.column_stack([region.elements + 1, mesh.cells[region.elements] + 1])
+        np.savetxt(text, rows, fmt="%d", delimiter=", ")
     for attribute in np.unique(boundary.attribute):
         members = boundary.attribute == attribute
         name = SIDES[attribute - 1]
@@ -198,7 +216,7 @@ def _to_meshio(mesh: VolumeMesh, facets: list[tuple[str, IntArray]], **data: Any
     return meshio.Mesh(mesh.points_in_space(), cells, **data)
 
 
-_WRITERS: dict[str, Callable[[Path, VolumeMesh, Boundary], None]] = {
+_WRITERS: dict[str, Callable[[Path, VolumeMesh, Regions, Boundary], None]] = {
     ".mesh": _write_mfem,
     ".msh": _write_gmsh,
     ".exo": _write_exodus,
