@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -10,14 +11,14 @@ import numpy as np
 from tusqh.atomic import replacing
 from tusqh.errors import MeshError
 from tusqh.extras import require
-from tusqh.grid import FloatArray
+from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.volume_mesh import KINDS, VolumeMesh
 
 _VTK_QUAD, _VTK_HEXAHEDRON = 9, 12
 
 
 def write_vtu(
-    path: Path, mesh: VolumeMesh, *, cell_data: dict[str, FloatArray] | None = None
+    path: Path, mesh: VolumeMesh, *, cell_data: Mapping[str, FloatArray | IntArray] | None = None
 ) -> None:
     """Write a mesh as binary VTU; the file appears whole or not at all.
 

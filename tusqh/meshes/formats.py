@@ -62,7 +62,7 @@ def write_mesh(path: Path, mesh: VolumeMesh, regions: Regions | None = None) -> 
             remedy="lower the threshold",
         )
     if path.suffix == ".vtu":
-        numbers = None if regions is None else {"material": regions.material + 1.0}
+        numbers = None if regions is None else {"material": regions.material + 1}
         write_vtu(path, mesh, cell_data=numbers)
     else:
         regions = regions or Regions.single(mesh.n_cells)
