@@ -39,7 +39,15 @@ class FileCheck:
     digests: Digests
 
     def check_outputs(self, step: Step, record: Record) -> Iterator[Finding]:
-        """Compare the outputs of a step with its record."""
+        """Compare the outputs of a step with its record.
+
+        Parameters
+        ----------
+        step
+            A step that the workflow would run today.
+        record
+            What the step recorded when it ran.
+        """
         for entry in record.what["outputs"]:
             path, found = entry["path"], self.digests.of(entry["path"])
             if found != entry["sha256"]:
@@ -55,7 +63,15 @@ class FileCheck:
                 yield from self._check_size(step, entry)
 
     def check_inputs(self, step: Step, record: Record) -> Iterator[Finding]:
-        """Compare the inputs of a step with the records of the steps that wrote them."""
+        """Compare the inputs of a step with the records of the steps that wrote them.
+
+        Parameters
+        ----------
+        step
+            A step that the workflow would run today.
+        record
+            What the step recorded when it ran.
+        """
         for entry in record.what["inputs"]:
             path = entry["path"]
             maker = self.plan.maker.get(path)

@@ -69,6 +69,15 @@ def list_code(script: str, *, base: Path, folder: Path) -> None:
 
     Records only contain the fingerprint.  The workflow writes these lists when it starts, so that
     `tusqh verify` can name the file that changed.
+
+    Parameters
+    ----------
+    script
+        The script or module, relative to `base`.
+    base
+        Root of the repository.
+    folder
+        Folder to write to.
     """
     path = folder / f"{code_fingerprint(script, base=base)['sha256']}.json"
     remove_leftovers(path)

@@ -63,12 +63,24 @@ class Comparison:
         self._known: dict[str, Reached] = {}
 
     def class_of_step(self, step: Step) -> Equality | None:
-        """Return the weakest class among the outputs of a step, None if one reaches none."""
+        """Return the weakest class among the outputs of a step, None if one reaches none.
+
+        Parameters
+        ----------
+        step
+            A step that the workflow would run today.
+        """
         classes = [self.reach(path).equality for path in step.outputs]
         return None if None in classes else weakest(kind for kind in classes if kind)
 
     def reach(self, path: str) -> Reached:
-        """Return the class of equality that a file reaches."""
+        """Return the class of equality that a file reaches.
+
+        Parameters
+        ----------
+        path
+            The file, relative to the current folder.
+        """
         if path not in self._known:
             self._known[path] = self._reach(path)
         return self._known[path]

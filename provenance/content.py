@@ -50,13 +50,27 @@ class Numbers:
 
     @staticmethod
     def of(values: FloatArray, *, part: float = 1.0) -> Numbers:
-        """Return numbers whose scale is a part of the largest finite one."""
+        """Return numbers whose scale is a part of the largest finite one.
+
+        Parameters
+        ----------
+        values
+            The numbers.
+        part
+            The part of the largest finite number that is the scale.
+        """
         flat = np.asarray(values, dtype=np.float64).ravel()
         largest = float(np.abs(flat[np.isfinite(flat)]).max(initial=0.0))
         return Numbers(sketch(flat), part * largest)
 
     def difference(self, other: Numbers) -> float:
-        """Return the largest relative difference, inf if the numbers are not comparable."""
+        """Return the largest relative difference, inf if the numbers are not comparable.
+
+        Parameters
+        ----------
+        other
+            The numbers to compare with.
+        """
         if len(self.values) != len(other.values):
             return float("inf")
         same = (self.values == other.values) | (np.isnan(self.values) & np.isnan(other.values))
@@ -97,7 +111,13 @@ class Content:
 
     @staticmethod
     def from_dict(values: dict[str, Any]) -> Content:
-        """Return the content that `to_dict` describes."""
+        """Return the content that `to_dict` describes.
+
+        Parameters
+        ----------
+        values
+            The plain values that `to_dict` returned.
+        """
         numbers = {
             name: Numbers(np.array([float(x) for x in group["values"]]), group["scale"])
             for name, group in values["numbers"].items()
@@ -107,6 +127,18 @@ class Content:
     def difference(self, other: Content) -> tuple[float, str]:
         """Return the largest relative difference and where it is, inf if texts differ.
 
+        Parameters
+        ----------
+        other
+            The content to compare with.
+
+        Returns
+        -------
+        difference, place
+            The largest relative difference, and the name of the array or text where it is.
+
+        Examples
+        --------
         >>> one, other = (content_of_table([["mass"], [m]]) for m in ("2.0", "2.5"))
         >>> one.difference(other)
         (0.2, 'mass')
@@ -126,6 +158,13 @@ def sketch(numbers: FloatArray) -> FloatArray:
     a change of one number changes each sum by the same amount, and changes that cancel in one sum
     hardly cancel in the other.
 
+    Parameters
+    ----------
+    numbers
+        Any numbers, as one array.
+
+    Examples
+    --------
     >>> sketch(np.array([1.0, 2.0])).tolist()
     [1.0, 2.0]
     >>> len(sketch(np.zeros(10_000)))
@@ -175,7 +214,13 @@ def content_of_table(rows: list[list[str]]) -> Content:
 
 
 def content_of_arrays(arrays: dict[str, Any]) -> Content:
-    """Return the content of named arrays: real arrays are numbers, all others skeleton."""
+    """Return the content of named arrays: real arrays are numbers, all others skeleton.
+
+    Parameters
+    ----------
+    arrays
+        The arrays by name.
+    """
     skeleton: dict[str, Any] = {}
     numbers = {}
     for name, values in sorted(arrays.items()):

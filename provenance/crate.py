@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from provenance import crate_entities as entities
+from provenance import crate_ids
 from provenance.crate_entities import Entity
 from provenance.stored import Record
 
@@ -60,7 +61,7 @@ def make_crate(
     register
         The register of data by file.
     workflow_files
-        The copies of the workflow's files inside the crate, relative to `entities.ROOT`.
+        The copies of the workflow's files inside the crate, relative to `crate_ids.ROOT`.
     engine_version
         The version of Snakemake.
     """
@@ -69,7 +70,7 @@ def make_crate(
     inputs = {e["path"]: e for r in records.values() for e in r.what["inputs"]}
     others = [inputs[path] for path in sorted(inputs) if path not in made]
     rules = {r.what["step"]: r.what["code"]["script"] for _, r in sorted(records.items())}
-    tools = sorted({entities.tool_id(script) for script in rules.values()})
+    tools = sorted({crate_ids.tool_id(script) for script in rules.values()})
     files = [entities.output(entry) for entry in outputs]
     files += [entities.source(entry, register.get(entry["path"], {})) for entry in others]
     files += [
@@ -84,7 +85,7 @@ def make_crate(
     runs = [entities.run(key, record) for key, record in records.items()]
     controls = [entities.control(key, record) for key, record in records.items()]
     # Some steps read the records of others, which are inside the crate and no sources.
-    sources = [entry for entry in others if not entities.is_inside(entry["path"])]
+    sources = [entry for entry in others if not crate_ids.is_inside(entry["path"])]
     graph: list[Entity] = [
         entities.descriptor(),
         entities.root(about, files=files, runs=runs),

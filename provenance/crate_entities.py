@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import base64
 import json
 from collections.abc import Iterable
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
+from provenance.crate_ids import file_id, tool_id
 from provenance.stored import Record
 
 Entity = dict[str, Any]
 
 #: The root of the crate, and the name of its description.
-ROOT = PurePosixPath("results")
 FILE_NAME = "ro-crate-metadata.json"
 #: The identifier of the workflow.
 WORKFLOW = "workflow/Snakefile"
@@ -56,7 +55,17 @@ def descriptor() -> Entity:
 
 
 def root(about: dict[str, Any], *, files: list[Entity], runs: list[Entity]) -> Entity:
-    """Return the crate as a data set, with the files and runs that it contains."""
+    """Return the crate as a data set, with the files and runs that it contains.
+
+    Parameters
+    ----------
+    about
+        What ``CITATION.cff`` says about the project.
+    files
+        The entities of the files.
+    runs
+        The entities of the runs of scripts.
+    """
     return {
         "@id": "./",
         "@type": "Dataset",
@@ -74,7 +83,17 @@ def root(about: dict[str, Any], *, files: list[Entity], runs: list[Entity]) -> E
 
 
 def workflow(about: dict[str, Any], *, tools: list[str], steps: list[Entity]) -> Entity:
-    """Return the workflow, with its scripts (`tools`) and its steps."""
+    """Return the workflow, with its scripts (`tools`) and its steps.
+
+    Parameters
+    ----------
+    about
+        What ``CITATION.cff`` says about the project.
+    tools
+        Identifiers of the scripts.
+    steps
+        The entities of the rules.
+    """
     return {
         "@id": WORKFLOW,
         "@type": ["File", "SoftwareSourceCode", "ComputationalWorkflow", "HowTo"],
@@ -89,7 +108,15 @@ def workflow(about: dict[str, Any], *, tools: list[str], steps: list[Entity]) ->
 
 
 def whole_run(sources: list[dict[str, Any]], outputs: list[dict[str, Any]]) -> Entity:
-    """Return the run of the whole workflow, from its sources to its outputs."""
+    """Return the run of the whole workflow, from its sources to its outputs.
+
+    Parameters
+    ----------
+    sources
+        References to the sources.
+    outputs
+        References to the outputs.
+    """
     return {
         "@id": _RUN,
         "@type": "CreateAction",
@@ -101,7 +128,13 @@ def whole_run(sources: list[dict[str, Any]], outputs: list[dict[str, Any]]) -> E
 
 
 def orchestration(controls: list[Entity]) -> Entity:
-    """Return the action of Snakemake that started the runs of all steps."""
+    """Return the action of Snakemake that started the runs of all steps.
+
+    Parameters
+    ----------
+    controls
+        The actions that started the runs.
+    """
     return {
         "@id": _ORCHESTRATION,
         "@type": "OrganizeAction",
@@ -113,7 +146,15 @@ def orchestration(controls: list[Entity]) -> Entity:
 
 
 def context(about: dict[str, Any], engine_version: str) -> list[Entity]:
-    """Return the profiles, licence, authors, language and engine that other entities refer to."""
+    """Return the profiles, licence, authors, language and engine that other entities refer to.
+
+    Parameters
+    ----------
+    about
+        What ``CITATION.cff`` says about the project.
+    engine_version
+        Version of Snakemake.
+    """
     profiles = [
         {"@id": url, "@type": "CreativeWork", "name": name, "version": url.rpartition("/")[2]}
         for url, name in _PROFILES.items()
@@ -133,7 +174,13 @@ def context(about: dict[str, Any], engine_version: str) -> list[Entity]:
 
 
 def output(entry: dict[str, Any]) -> Entity:
-    """Return a file that a step wrote, from its entry in a record."""
+    """Return a file that a step wrote, from its entry in a record.
+
+    Parameters
+    ----------
+    entry
+        The entry of the file in a record: its path, digest and size.
+    """
     media_type = _MEDIA_TYPES.get(Path(entry["path"]).suffix, "application/octet-stream")
     return {
         "@id": file_id(entry),
@@ -149,13 +196,30 @@ def source(entry: dict[str, Any], row: dict[str, str]) -> Entity:
     """Return a source with its row of the register; it is not part of the crate.
 
     The licences of some sources do not allow to pass them on.
+
+    Parameters
+    ----------
+    entry
+        The entry of the file in a record: its path, digest and size.
+    row
+        Its row of the register, by column.
     """
     known = {"description": row.get("origin"), "license": row.get("licence"), "url": row.get("url")}
     return output(entry) | {key: value for key, value in known.items() if value}
 
 
 def code_file(path: str, *, is_tool: bool, version: str) -> Entity:
-    """Return a file of the workflow; the scripts of rules are the tools that ran."""
+    """Return a file of the workflow; the scripts of rules are the tools that ran.
+
+    Parameters
+    ----------
+    path
+        The file, relative to the root of the repository.
+    is_tool
+        Whether it is the script of a rule.
+    version
+        Version of the project.
+    """
     kind = ["File", "SoftwareSourceCode"]
     if is_tool:
         kind.append("SoftwareApplication")
@@ -169,7 +233,17 @@ def code_file(path: str, *, is_tool: bool, version: str) -> Entity:
 
 
 def step(position: int, rule: str, script: str) -> Entity:
-    """Return a rule as a step of the workflow."""
+    """Return a rule as a step of the workflow.
+
+    Parameters
+    ----------
+    position
+        Position of the rule in the workflow, from 1.
+    rule
+        Name of the rule.
+    script
+        Script of the rule.
+    """
     return {
         "@id": f"{WORKFLOW}#{rule}",
         "@type": "HowToStep",
@@ -180,7 +254,15 @@ def step(position: int, rule: str, script: str) -> Entity:
 
 
 def run(key: str, record: Record) -> Entity:
-    """Return one run of a script, with its inputs, parameters and outputs."""
+    """Return one run of a script, with its inputs, parameters and outputs.
+
+    Parameters
+    ----------
+    key
+        The key of the step, such as ``chesapeake/mesh``.
+    record
+        What the step recorded when it ran.
+    """
     what = record.what
     read = [file_id(entry) for entry in what["inputs"]]
     return {
@@ -195,7 +277,15 @@ def run(key: str, record: Record) -> Entity:
 
 
 def parameters(key: str, record: Record) -> list[Entity]:
-    """Return the parameters of one run of a script."""
+    """Return the parameters of one run of a script.
+
+    Parameters
+    ----------
+    key
+        The key of the step, such as ``chesapeake/mesh``.
+    record
+        What the step recorded when it ran.
+    """
     return [
         {
             "@id": f"#parameter/{key}/{name}",
@@ -208,7 +298,15 @@ def parameters(key: str, record: Record) -> list[Entity]:
 
 
 def control(key: str, record: Record) -> Entity:
-    """Return the action that started one run of a script."""
+    """Return the action that started one run of a script.
+
+    Parameters
+    ----------
+    key
+        The key of the step, such as ``chesapeake/mesh``.
+    record
+        What the step recorded when it ran.
+    """
     return {
         "@id": f"#control/{key}",
         "@type": "ControlAction",
@@ -216,24 +314,6 @@ def control(key: str, record: Record) -> Entity:
         "instrument": {"@id": f"{WORKFLOW}#{record.what['step']}"},
         "object": {"@id": f"#run/{key}"},
     }
-
-
-def file_id(entry: dict[str, Any]) -> str:
-    """Return the identifier of a file: its path in the crate, or the digest of its bytes."""
-    if is_inside(entry["path"]):
-        return PurePosixPath(entry["path"]).relative_to(ROOT).as_posix()
-    digest = base64.urlsafe_b64encode(bytes.fromhex(entry["sha256"])).decode().rstrip("=")
-    return f"ni:///sha-256;{digest}"  # RFC 6920
-
-
-def tool_id(script: str) -> str:
-    """Return the identifier of a script."""
-    return f"workflow/{script}"
-
-
-def is_inside(path: str) -> bool:
-    """Return whether a file is inside the crate."""
-    return PurePosixPath(path).is_relative_to(ROOT)
 
 
 def _licence_id(about: dict[str, Any]) -> str:

@@ -36,5 +36,11 @@ class Digests:
 
 
 def shorten(digest: str) -> str:
-    """Return the first digits of a digest, enough to recognise it."""
+    """Return the first digits of a digest, enough to recognise it.
+
+    Parameters
+    ----------
+    digest
+        A SHA-256 as hexadecimal digits.
+    """
     return f"SHA-256 {digest[:_SHOWN]}"

@@ -53,7 +53,13 @@ def _required_names(requirements: list[str], extras: tuple[str, ...]) -> list[st
 
 
 def environment_fingerprint(versions: dict[str, str]) -> str:
-    """Return a digest of package versions, the Python minor version and the platform."""
+    """Return a digest of package versions, the Python minor version and the platform.
+
+    Parameters
+    ----------
+    versions
+        The version of each package, by name.
+    """
     lines = [f"{name}=={version}" for name, version in sorted(versions.items())]
     lines += [f"{name} {value}" for name, value in describe_platform().items()]
     return hashlib.sha256("\n".join(lines).encode()).hexdigest()
@@ -68,6 +74,15 @@ def describe_platform() -> dict[str, str]:
 def changed_versions(was: dict[str, str], now: dict[str, str]) -> list[tuple[str, str]]:
     """Return the packages whose versions differ, before and after, as ``numpy 2.4.6``.
 
+    Parameters
+    ----------
+    was
+        The versions before, by package.
+    now
+        The versions now, by package.
+
+    Examples
+    --------
     >>> changed_versions({"numpy": "2.0", "vtk": "9"}, {"numpy": "2.1", "vtk": "9"})
     [('numpy 2.0', 'numpy 2.1')]
     """

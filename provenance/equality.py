@@ -67,6 +67,11 @@ class EqualityRules:
     def from_file(cls, path: Path) -> EqualityRules:
         """Return the rules in a YAML file, no rules if the file does not exist.
 
+        Parameters
+        ----------
+        path
+            The file.
+
         Raises
         ------
         ConfigError
@@ -92,15 +97,37 @@ class EqualityRules:
             ) from reason
 
     def of(self, path: str) -> EqualityRule:
-        """Return the rule for a result."""
+        """Return the rule for a result.
+
+        Parameters
+        ----------
+        path
+            The result, relative to the current folder.
+        """
         return next(rule for rule in self._rules if fnmatchcase(path, rule.pattern))
 
 
 def is_numerically_equal(one: Content | None, other: Content | None, tolerance: float) -> bool:
-    """Return whether two contents agree within a relative tolerance; False if one is unknown."""
+    """Return whether two contents agree within a relative tolerance; False if one is unknown.
+
+    Parameters
+    ----------
+    one
+        The first content; None if it is unknown.
+    other
+        The second content; None if it is unknown.
+    tolerance
+        Largest relative difference that counts as equal.
+    """
     return one is not None and other is not None and one.difference(other)[0] <= tolerance
 
 
 def weakest(classes: Iterable[Equality]) -> Equality:
-    """Return the weakest of some classes, exact when there are none."""
+    """Return the weakest of some classes, exact when there are none.
+
+    Parameters
+    ----------
+    classes
+        The classes of equality.
+    """
     return max(classes, key=list(Equality).index, default=Equality.EXACT)

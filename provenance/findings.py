@@ -47,7 +47,13 @@ class Finding:
 
 
 def verdict(findings: Iterable[Finding]) -> Outcome:
-    """Return different if any finding is, else cannot tell if any is, else same."""
+    """Return different if any finding is, else cannot tell if any is, else same.
+
+    Parameters
+    ----------
+    findings
+        What was found.
+    """
     outcomes = {finding.outcome for finding in findings}
     return next(
         (o for o in (Outcome.DIFFERENT, Outcome.CANNOT_TELL) if o in outcomes), Outcome.SAME
@@ -55,7 +61,18 @@ def verdict(findings: Iterable[Finding]) -> Outcome:
 
 
 def merge(findings: Iterable[Finding]) -> list[Finding]:
-    """Merge findings that are equal but for the step, and sort them, the gravest first."""
+    """Merge findings that are equal but for the step, and sort them, the gravest first.
+
+    Parameters
+    ----------
+    findings
+        What was found.
+
+    Returns
+    -------
+    list of Finding
+        Each with the steps that share it.
+    """
     groups: dict[Finding, list[str]] = {}
     for finding in findings:
         groups.setdefault(replace(finding, step=""), []).append(finding.step)

@@ -74,7 +74,15 @@ def _describe_output(path: str, digest: str, equality: EqualityRules) -> dict[st
 
 
 def write_lock(lock: dict[str, Any], path: Path) -> None:
-    """Write a lock with one line per output, so that differences are easy to read."""
+    """Write a lock with one line per output, so that differences are easy to read.
+
+    Parameters
+    ----------
+    lock
+        The lock, as `make_lock` returns it.
+    path
+        File to write.
+    """
     outputs: dict[str, str] = {}
 
     def shelve(entry: dict[str, Any]) -> str:
@@ -92,6 +100,11 @@ def write_lock(lock: dict[str, Any], path: Path) -> None:
 
 def read_lock(path: Path) -> dict[str, Any] | None:
     """Return the lock in a file, None if the file does not exist.
+
+    Parameters
+    ----------
+    path
+        The file.
 
     Raises
     ------
@@ -115,7 +128,15 @@ def read_lock(path: Path) -> dict[str, Any] | None:
 
 
 def changed_outputs(old: dict[str, Any] | None, new: dict[str, Any]) -> list[tuple[str, str]]:
-    """Return the outputs in which two locks differ, each with "added", "removed" or "changed"."""
+    """Return the outputs in which two locks differ, each with "added", "removed" or "changed".
+
+    Parameters
+    ----------
+    old
+        The lock before; None if there was none.
+    new
+        The lock now.
+    """
     before, after = _digests(old), _digests(new)
     changes = [(path, "added") for path in after.keys() - before.keys()]
     changes += [(path, "removed") for path in before.keys() - after.keys()]

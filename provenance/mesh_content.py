@@ -15,6 +15,11 @@ def content_of_vtk(path: Path) -> Content:
     """Return the content of a VTU file with one kind of element, or of a VTP file.
 
     The numbering of points and cells counts in a VTP file.
+
+    Parameters
+    ----------
+    path
+        The file.
     """
     import pyvista
 
@@ -31,7 +36,13 @@ def content_of_vtk(path: Path) -> Content:
 
 
 def content_of_meshio(path: Path) -> Content:
-    """Return the content of a Gmsh or Exodus file."""
+    """Return the content of a Gmsh or Exodus file.
+
+    Parameters
+    ----------
+    path
+        The file.
+    """
     import meshio
 
     mesh = meshio.read(path)

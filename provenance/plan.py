@@ -98,11 +98,23 @@ class Plan:
         return EqualityRules.from_file(self.base / EQUALITY)
 
     def rerun(self, file: str) -> str:
-        """Return the command that makes a file again, and everything that depends on it."""
+        """Return the command that makes a file again, and everything that depends on it.
+
+        Parameters
+        ----------
+        file
+            A file that a step writes.
+        """
         return f"{self.command} --forcerun {shlex.quote(file)}"
 
     def remake(self, *files: str) -> str:
-        """Return the command that makes files again even if Snakemake takes them to be current."""
+        """Return the command that makes files again even if Snakemake takes them to be current.
+
+        Parameters
+        ----------
+        *files
+            Files that steps write.
+        """
         return f"{self.command} --force -- {shlex.join(files)}"
 
 

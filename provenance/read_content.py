@@ -21,6 +21,11 @@ def read_content(path: Path) -> Content | None:
     The numbering of meshes, the order of the rows of tables, the compression of arrays and digests
     of other files are left out.
 
+    Parameters
+    ----------
+    path
+        The file.
+
     Raises
     ------
     OSError

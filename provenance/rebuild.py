@@ -26,6 +26,15 @@ Runner = Callable[[Plan, Path, list[str]], None]
 def run_snakemake(plan: Plan, folder: Path, targets: list[str]) -> None:
     """Make files of a plan in a folder; the log is printed on the terminal.
 
+    Parameters
+    ----------
+    plan
+        The steps that the workflow would run today.
+    folder
+        Folder in which Snakemake runs.
+    targets
+        The files to make.
+
     Raises
     ------
     ProvenanceError
@@ -61,6 +70,11 @@ def rebuild_model(
         The records of the steps that ran, by the key of the step.
     run
         Makes the files.
+
+    Returns
+    -------
+    list of Finding
+        One finding for each output.
 
     Raises
     ------

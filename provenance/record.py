@@ -83,6 +83,15 @@ def recorded(snakemake: Any) -> Iterator[logging.Logger]:
 def inputs_of(files: Iterable[str], parameters: dict[str, Any]) -> list[str]:
     """Return the files that a step reads: its inputs, and files inside installed packages.
 
+    Parameters
+    ----------
+    files
+        The inputs of the step.
+    parameters
+        The parameters of the step.
+
+    Examples
+    --------
     >>> inputs_of(["b.csv", "a.csv"], {"source": {"geometry": "package:pyvista/airplane.ply"}})
     ['a.csv', 'b.csv', 'package:pyvista/airplane.ply']
     """
@@ -98,7 +107,13 @@ def _packaged(value: Any) -> set[str]:
 
 
 def describe_file(name: str) -> dict[str, Any]:
-    """Return the path, SHA-256 and size of a file, which may be inside an installed package."""
+    """Return the path, SHA-256 and size of a file, which may be inside an installed package.
+
+    Parameters
+    ----------
+    name
+        A path, or ``package:NAME/FILE``.
+    """
     path = locate(name)
     return {"path": name, "sha256": hash_file(path), "size": path.stat().st_size}
 

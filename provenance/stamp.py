@@ -66,7 +66,13 @@ def stamp(path: Path, mark: dict[str, Any]) -> None:
 
 
 def read_mark(path: Path) -> dict[str, Any] | None:
-    """Return the mark in a figure, None if it has none."""
+    """Return the mark in a figure, None if it has none.
+
+    Parameters
+    ----------
+    path
+        The figure.
+    """
     try:
         if _is_png(path):
             with Image.open(path) as image:

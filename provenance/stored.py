@@ -47,7 +47,13 @@ class Record:
 
 
 def read_records(folder: Path = RECORDS) -> dict[str, Record]:
-    """Return all records in a folder by the key of their step, such as ``chesapeake/mesh``."""
+    """Return all records in a folder by the key of their step, such as ``chesapeake/mesh``.
+
+    Parameters
+    ----------
+    folder
+        Folder of the records.
+    """
     found = {}
     for path in sorted(folder.rglob("*.json")):
         if path.name.endswith(_HOW) or path.name.startswith(".") or path.parent == folder / CODE:
@@ -58,7 +64,15 @@ def read_records(folder: Path = RECORDS) -> dict[str, Record]:
 
 
 def read_code_list(fingerprint: str, folder: Path = RECORDS) -> dict[str, str]:
-    """Return the files behind a fingerprint of code with their SHA-256, empty if unknown."""
+    """Return the files behind a fingerprint of code with their SHA-256, empty if unknown.
+
+    Parameters
+    ----------
+    fingerprint
+        Fingerprint of the code of a step.
+    folder
+        Folder of the records.
+    """
     files = _read_object(folder / CODE / f"{fingerprint}.json")
     return files if hash_value(files) == fingerprint else {}
 

@@ -76,6 +76,11 @@ def find_output(path: Path, records: dict[str, Record], digests: Digests) -> Mat
     digests
         Digests of the files in the current folder.
 
+    Returns
+    -------
+    Match
+        The recorded file, and how it was identified.
+
     Raises
     ------
     ProvenanceError
@@ -119,6 +124,13 @@ def find_output(path: Path, records: dict[str, Record], digests: Digests) -> Mat
 def lacks_record(path: str) -> bool:
     """Return whether a file without a record should have one.
 
+    Parameters
+    ----------
+    path
+        The file, relative to the current folder.
+
+    Examples
+    --------
     >>> lacks_record("results/cow/mesh.vtu"), lacks_record("data_sources/cow.stl")
     (True, False)
     """

@@ -69,7 +69,13 @@ class Verification:
         return f"{n} {noun}{'' if n == 1 else 's'} in {n_steps} steps"
 
     def extended(self, findings: list[Finding]) -> Verification:
-        """Return the verification with more findings."""
+        """Return the verification with more findings.
+
+        Parameters
+        ----------
+        findings
+            What else was found.
+        """
         return replace(self, findings=[*self.findings, *findings])
 
     def to_dict(self) -> dict[str, Any]:
@@ -97,6 +103,11 @@ def verify(plan: Plan, records: dict[str, Record], lock: dict[str, Any] | None) 
         The records of the steps that ran, by the key of the step.
     lock
         The accepted results, None if there is no lock.
+
+    Returns
+    -------
+    Verification
+        The outcome of each step, all findings and the verdict.
     """
     digests = Digests()
     findings = list(check_records(plan, records, read_register(Path(), plan.base), digests))
@@ -149,7 +160,13 @@ def require_lockable(plan: Plan, records: dict[str, Record]) -> None:
 
 
 def recording_share(records: dict[str, Record]) -> float | None:
-    """Return the part of the time of all recorded steps that recording took."""
+    """Return the part of the time of all recorded steps that recording took.
+
+    Parameters
+    ----------
+    records
+        The records of the steps that ran, by the key of the step.
+    """
     keys = ("seconds", "seconds_of_recording")
     times = [[record.how.get(key) for key in keys] for record in records.values()]
     known = [pair for pair in times if all(isinstance(time, int | float) for time in pair)]

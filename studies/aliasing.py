@@ -71,7 +71,13 @@ def wedge(apex: tuple[float, float], degrees: float, turn: float, length: float)
 
 
 def compare_examples() -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the shapes and the facts of the diagonal gap and the wedge, before and after."""
+    """Return the shapes and the facts of the diagonal gap and the wedge, before and after.
+
+    Returns
+    -------
+    shapes, facts
+        One row per shape, and one row of facts per panel.
+    """
     policy = Policy(components=Criteria(min_cells=_MIN_CELLS))
     square = BackgroundGrid(shape=(12, 12), cell_size=1.0, origin=(0.0, 0.0))
     strip = BackgroundGrid(shape=(40, 20), cell_size=1.0, origin=(0.0, 0.0))
@@ -84,7 +90,17 @@ def compare_examples() -> tuple[pd.DataFrame, pd.DataFrame]:
 
 
 def axis_gap(width: float, offset: float, grid: BackgroundGrid) -> list[Polygon]:
-    """Return the two sides of a gap along the y axis; offset 0 centres it on a row of cells."""
+    """Return the two sides of a gap along the y axis; offset 0 centres it on a row of cells.
+
+    Parameters
+    ----------
+    width
+        Width of the gap, in cell sizes.
+    offset
+        Offset of its middle, in cell sizes.
+    grid
+        The background grid.
+    """
     middle = (grid.shape[0] - 1) // 2 + 0.5 + offset
     x, y = grid.shape
     left, right = middle - width / 2, middle + width / 2
@@ -99,6 +115,11 @@ def sweep_axis_gap(n_offsets: int) -> pd.DataFrame:
 
     One row per offset and rule (`studies.gap_patch.RULES`); `components_<width>` are
     those of the mesh, built and measured, at the widths of the paper's three gaps.
+
+    Parameters
+    ----------
+    n_offsets
+        Number of offsets over one period.
     """
     grid = BackgroundGrid(shape=(7, 3), cell_size=1.0, origin=(0.0, 0.0))
     offsets = np.arange(n_offsets + 1) / n_offsets

@@ -51,7 +51,15 @@ def shape_rows(panel: str, shape: str, corners: FloatArray) -> pd.DataFrame:
 
 
 def mesh_rows(panel: str, mesh: VolumeMesh) -> pd.DataFrame:
-    """Return the elements of a quad mesh as shapes named by their kind."""
+    """Return the elements of a quad mesh as shapes named by their kind.
+
+    Parameters
+    ----------
+    panel
+        Name of the panel.
+    mesh
+        The mesh.
+    """
     return pd.concat(
         [
             shape_rows(panel, kind, mesh.points[mesh.cells[mesh.kind == k]])
@@ -63,13 +71,33 @@ def mesh_rows(panel: str, mesh: VolumeMesh) -> pd.DataFrame:
 
 
 def cell_rows(panel: str, kept: BoolArray, grid: BackgroundGrid) -> pd.DataFrame:
-    """Return the kept cells of a grid in the plane as shapes."""
+    """Return the kept cells of a grid in the plane as shapes.
+
+    Parameters
+    ----------
+    panel
+        Name of the panel.
+    kept
+        Whether each cell is kept, shape n.
+    grid
+        The background grid.
+    """
     corners = np.argwhere(kept)[:, None] + QUAD_CORNERS
     return shape_rows(panel, KEPT, grid.to_points(corners.reshape(-1, 2)).reshape(-1, 4, 2))
 
 
 def sub_cell_rows(panel: str, fractions: VolumeFractions, threshold: float) -> pd.DataFrame:
-    """Return the interior edges and vertices as shapes."""
+    """Return the interior edges and vertices as shapes.
+
+    Parameters
+    ----------
+    panel
+        Name of the panel.
+    fractions
+        The volume fractions.
+    threshold
+        The threshold.
+    """
     grid = fractions.grid
     is_interior = fractions.values >= threshold
     edges, vertices = (
@@ -105,6 +133,11 @@ def mesh_example(
         Volume-fraction threshold, dimensionless.
     policy
         The policy for pinches and bridges.
+
+    Returns
+    -------
+    shapes, facts
+        One row per shape, and the facts of the example by name.
     """
     fractions = exact_fractions(polygons, grid)
     cells = CellSets(fractions, policy).at(threshold)
@@ -138,7 +171,15 @@ def mesh_example(
 
 
 def mesh_facts(mesh: VolumeMesh, predicted: BettiNumbers) -> dict[str, Any]:
-    """Return the measured topology of a mesh, and whether it is as predicted and sound."""
+    """Return the measured topology of a mesh, and whether it is as predicted and sound.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    predicted
+        The predicted Betti numbers.
+    """
     measured, betti = mesh.measurement, mesh.measurement.by_euler
     return {
         "elements": mesh.n_cells,

@@ -55,6 +55,13 @@ def fraction_below(t: float, normal: FloatArray) -> float:
 
     The sum over the corners of the cube of ``sign * max(t - n . corner, 0)**m / (m! prod n)``,
     ``m`` being the number of components of the normal that are not zero; all are at least 0.
+
+    Parameters
+    ----------
+    t
+        Signed distance of the plane from the centre of the cube, in cell sizes.
+    normal
+        Unit normal, shape (dim,), no component negative.
     """
     if t > 0:  # The smaller of the two parts has the smaller rounding errors.
         return 1.0 - fraction_below(-t, normal)
@@ -85,6 +92,17 @@ def fraction_in_gap(u: float, width: float, normal: FloatArray) -> float:
 
     The centre of the cell is at the signed distance `u` from the middle of the gap.
 
+    Parameters
+    ----------
+    u
+        Signed distance of the cell's centre from the middle of the gap, in cell sizes.
+    width
+        Width of the gap, in cell sizes.
+    normal
+        Unit normal of the gap, shape (dim,), no component negative.
+
+    Examples
+    --------
     >>> import numpy as np
     >>> fraction_in_gap(0.25, 0.5, np.array([1.0, 0.0]))
     0.5

@@ -117,6 +117,13 @@ def _predict(
 def keeps_all(policy: Policy) -> bool:
     """Return whether a policy removes and fills no features.
 
+    Parameters
+    ----------
+    policy
+        The policy.
+
+    Examples
+    --------
     >>> some = Policy.from_dict({"components": {"min_cells": 2}})
     >>> keeps_all(Policy()), keeps_all(some)
     (True, False)

@@ -30,7 +30,13 @@ _VOXEL_TO_HEX = [0, 1, 3, 2, 4, 5, 7, 6]
 
 
 def mesh_by_automesh(given: Arrays) -> Solid:
-    """Return the hexes that automesh makes from our kept cells; it takes voxels, not surfaces."""
+    """Return the hexes that automesh makes from our kept cells; it takes voxels, not surfaces.
+
+    Parameters
+    ----------
+    given
+        The surface, the grid and the settings, as arrays.
+    """
     import meshio
 
     automesh = import_module("automesh")
@@ -49,7 +55,13 @@ def mesh_by_automesh(given: Arrays) -> Solid:
 
 
 def mesh_by_pytetwild(given: Arrays) -> Solid:
-    """Return the tetrahedra that fTetWild makes from the surface, with its own defaults."""
+    """Return the tetrahedra that fTetWild makes from the surface, with its own defaults.
+
+    Parameters
+    ----------
+    given
+        The surface, the grid and the settings, as arrays.
+    """
     points, tets = import_module("pytetwild").tetrahedralize(
         given["points"], given["triangles"].astype(np.int32), quiet=True, vtk_ordering=True
     )
@@ -57,7 +69,13 @@ def mesh_by_pytetwild(given: Arrays) -> Solid:
 
 
 def mesh_by_pyvista(given: Arrays) -> Solid:
-    """Return the voxels of our cell size inside the surface, by PyVista (VTK's image stencil)."""
+    """Return the voxels of our cell size inside the surface, by PyVista (VTK's image stencil).
+
+    Parameters
+    ----------
+    given
+        The surface, the grid and the settings, as arrays.
+    """
     import pyvista
 
     faces = np.column_stack([np.full(len(given["triangles"]), 3), given["triangles"]])
@@ -68,7 +86,13 @@ def mesh_by_pyvista(given: Arrays) -> Solid:
 
 
 def mesh_by_trimesh(given: Arrays) -> Solid:
-    """Return the voxels of our cell size that touch the surface or are inside, by trimesh."""
+    """Return the voxels of our cell size that touch the surface or are inside, by trimesh.
+
+    Parameters
+    ----------
+    given
+        The surface, the grid and the settings, as arrays.
+    """
     import trimesh
 
     surface = trimesh.Trimesh(given["points"], given["triangles"], process=False)
@@ -88,6 +112,11 @@ def mesh_by_tusqh(given: Arrays) -> Solid:
     """Return our hexes at the selected threshold, by the stages `sample` and `build`.
 
     The surface is sampled again, so that the time of sampling counts.
+
+    Parameters
+    ----------
+    given
+        The surface, the grid and the settings, as arrays.
     """
     from tusqh.geometry.soup import Soup
     from tusqh.pipeline.build import build
@@ -127,6 +156,11 @@ def main(peer: str, source: Path, target: Path, limit: int) -> int:
         The files to read and to write.
     limit
         Limit on processor time in s, which does not depend on other work on the machine.
+
+    Returns
+    -------
+    int
+        0, or the exit code that says why the peer failed.
     """
     resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
     with np.load(source) as content:

@@ -45,6 +45,13 @@ def list_configurations(dim: int) -> list[BoolArray]:
 
     Neighbourhoods that are equal up to rotation and reflection are one kind.
 
+    Parameters
+    ----------
+    dim
+        Dimension, 2 or 3.
+
+    Examples
+    --------
     >>> len(list_configurations(2)), len(list_configurations(3))
     (1, 11)
     """
@@ -67,6 +74,11 @@ def tabulate_catalogue() -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return the facts and elements of each configuration, raw and with both decisions.
 
     Raw cells are not manifold (`sound` is false), and are joined where the prediction separates.
+
+    Returns
+    -------
+    facts, elements
+        One row per configuration and decision, and one row per element.
     """
     facts, elements = [], []
     for dim in (2, 3):
@@ -134,6 +146,11 @@ def resolve_series() -> tuple[pd.DataFrame, pd.DataFrame]:
 
     The panels: raw; all votes to separate; all to connect; one cluster each way (`both`); and
     alternating votes, which the policy for mixed clusters decides, in the last two panels.
+
+    Returns
+    -------
+    facts, shapes
+        One row per panel, and one row per shape.
     """
     grid = BackgroundGrid(shape=_STAIRS.shape, cell_size=1.0, origin=(0.0, 0.0))
     pinches = find_pinches(_STAIRS)
@@ -175,6 +192,11 @@ def connect_edges() -> tuple[pd.DataFrame, pd.DataFrame]:
     A bar of width ``w`` along a line of the grid fills ``w`` of the fictitious cells of its edges
     and half as much of the adjacent cells: for thresholds between the two its edges alone join
     the blocks.
+
+    Returns
+    -------
+    facts, shapes
+        One row per threshold, and one row per shape.
     """
     grid = BackgroundGrid(shape=(18, 6), cell_size=1.0, origin=(0.0, 0.0))
     polygons: list[Polygon] = [_box(5 * k + 0.0, 1, 5 * k + 3.0, 5) for k in range(4)]

@@ -42,6 +42,17 @@ class Placement:
 def random_placements(dim: int, count: int, *, seed: int) -> list[Placement]:
     """Return orientations uniform over all rotations and offsets uniform over a cell.
 
+    Parameters
+    ----------
+    dim
+        Dimension, 2 or 3.
+    count
+        Number of placements.
+    seed
+        Seed of the random numbers.
+
+    Examples
+    --------
     >>> placements = random_placements(3, 2, seed=0)
     >>> turned = placements[0].rotation
     >>> bool(np.allclose(turned @ turned.T, np.eye(3))), float(np.linalg.det(turned).round(12))

@@ -33,6 +33,13 @@ class PageError(TusqhError):
 def picture_name(figure: str) -> str:
     """Return the name of the picture of a figure on a page.
 
+    Parameters
+    ----------
+    figure
+        Path of the figure in `results`.
+
+    Examples
+    --------
     >>> picture_name("results/dragon/figures/panels.png")
     'dragon_panels.png'
     >>> picture_name("results/figures/pinches.png")
@@ -126,6 +133,11 @@ def copy_pictures(figures: Sequence[str], folder: Path) -> list[Path]:
         PNG files.
     folder
         The folder of the pictures.
+
+    Returns
+    -------
+    list of Path
+        The pictures that were written.
     """
     from PIL import Image
 

@@ -134,6 +134,13 @@ def pool_spreads(
 def spread_of(numbers: FloatArray) -> FloatArray:
     """Return the root of the summed variances of Betti numbers, shape (..., placements, 3).
 
+    Parameters
+    ----------
+    numbers
+        Betti numbers, shape (..., placements, 3).
+
+    Examples
+    --------
     >>> float(spread_of(np.array([[1.0, 3.0, 0.0], [1.0, 5.0, 0.0]])))
     1.0
     """

@@ -120,6 +120,12 @@ def most_frequent(numbers: FloatArray) -> tuple[int, float, BettiNumbers]:
     ----------
     numbers
         Betti numbers, one row per placement, shape (n, 3).
+
+    Returns
+    -------
+    count, share, numbers
+        Number of different topologies; share of the most frequent one, from 0 to 1; its
+        Betti numbers.
     """
     rows, counts = np.unique(numbers.astype(np.int64), axis=0, return_counts=True)
     most = int(counts.argmax())

@@ -102,7 +102,13 @@ def compare_suitability(
 
 
 def measure_suitability(mesh: VolumeMesh) -> dict[str, Any]:
-    """Return the measures of fitness for analysis of a mesh, see `compare_suitability`."""
+    """Return the measures of fitness for analysis of a mesh, see `compare_suitability`.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    """
     n_bad = mesh.measurement.n_non_manifold
     lumped, of_elements = element_matrices(mesh)
     stiffness = assemble_stiffness(mesh, of_elements)
@@ -161,6 +167,11 @@ def summarise_suitability(table: pd.DataFrame) -> pd.DataFrame:
     median of the `condition` number and the `iterations` over those of the raw cells; the
     largest `volume_change` against the raw cells; `most_sweeps` of the repair and whether all
     repairs `ended`.
+
+    Parameters
+    ----------
+    table
+        The tables of `compare_suitability`, as one.
     """
     keys = ["model", "choice"]
     volume = 1 + table.set_index(["scheme", *keys])["volume_error"]

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from studies.directions import normals_of
 from studies.gap import critical_width, sample_distances
 from studies.gap_patch import RULES, measure_widths
 from tusqh.grid import FloatArray
@@ -40,12 +41,19 @@ _STARTS = {2: 3, 3: 1}
 _ROUNDS = 7
 _STEPS = {2: np.linspace(-1.0, 1.0, 7), 3: np.linspace(-1.0, 1.0, 3)}
 
-_TIE = 1e-9
+TIE = 1e-9
 
 
 def method_name(samples: int) -> str:
     """Return the name in tables of the way in which fractions are measured.
 
+    Parameters
+    ----------
+    samples
+        Samples along each side of a cell; 0 for exact fractions.
+
+    Examples
+    --------
     >>> method_name(0), method_name(4)
     ('exact', 's=4')
     """
@@ -73,35 +81,18 @@ class Widths:
     opening: FloatArray
 
 
-def normals_of(places: FloatArray) -> FloatArray:
-    """Return the unit normals of orientations, shape (m, dim), see `Widths.places`.
-
-    >>> normals_of(np.array([[45.0]])).round(3).tolist()
-    [[0.707, 0.707]]
-    """
-    if places.shape[1] == 1:
-        angle = np.deg2rad(places[:, 0])
-        return np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    normals = np.column_stack([np.ones(len(places)), places])
-    return np.asarray(normals / np.linalg.norm(normals, axis=1, keepdims=True))
-
-
-def rotations(step: float) -> FloatArray:
-    """Return rotations from 0 to 45 degrees, all up to symmetry, shape (m, 1)."""
-    return np.linspace(0.0, 45.0, round(45 / step) + 1)[:, None]
-
-
-def plane_normals(n: int) -> FloatArray:
-    """Return normals over the symmetric patch of the sphere, as ratios, shape (m, 2).
-
-    >>> plane_normals(1).tolist()
-    [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]
-    """
-    return np.array([[a / n, b / n] for a in range(n + 1) for b in range(a + 1)])
-
-
 def measure(places: FloatArray, offsets: FloatArray, samples: int) -> Widths:
-    """Return the widths of all orientations and offsets with exact fractions or with samples."""
+    """Return the widths of all orientations and offsets with exact fractions or with samples.
+
+    Parameters
+    ----------
+    places
+        Orientations, see `Widths.places`.
+    offsets
+        Offsets over one period, in cell sizes.
+    samples
+        Samples along each side of a cell; 0 for exact fractions.
+    """
     normals = normals_of(places)
     distances = np.stack([sample_distances(normal, samples) for normal in normals])
     length = _LENGTH[normals.shape[1]]
@@ -116,6 +107,18 @@ def tabulate_orientations(widths: Widths, samples: int) -> pd.DataFrame:
     matters at that orientation; `middle_width` and `crossing_width` are their values for exact
     fractions in closed form: the critical width of a cell centred on the gap, and the
     widest gap that a step can cross.
+
+    Parameters
+    ----------
+    widths
+        The widths of all orientations and offsets.
+    samples
+        Samples along each side of a cell; 0 for exact fractions.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row per orientation and rule.
     """
     tables = []
     normals = normals_of(widths.places)
@@ -144,6 +147,15 @@ def crossing_widths(rule: str, normals: FloatArray) -> FloatArray:
     the `filtration` vertices of the plane never help, because the middle of a pinch across a gap
     lies in the gap; in space they do.
 
+    Parameters
+    ----------
+    rule
+        One of `RULES`.
+    normals
+        Unit normals, shape (m, dim).
+
+    Examples
+    --------
     >>> crossing_widths("touching", np.array([[0.8, 0.6]])).round(3).tolist()
     [1.4]
     """
@@ -160,13 +172,22 @@ def tabulate_sweep(widths: Widths, gap_widths: FloatArray, samples: int) -> pd.D
     """Return the number of offsets with each outcome, for every width and orientation.
 
     `depends` states whether there are two outcomes, or one that is mixed along the gap.
+
+    Parameters
+    ----------
+    widths
+        The widths of all orientations and offsets.
+    gap_widths
+        Widths of the gap, in cell sizes.
+    samples
+        Samples along each side of a cell; 0 for exact fractions.
     """
     tables = []
     for r, rule in enumerate(RULES):
         closing, opening = widths.closing[:, None, :, r], widths.opening[:, None, :, r]
         at = gap_widths[None, :, None]
-        n_closed = (at <= closing + _TIE).sum(axis=2)
-        n_open = (at > opening + _TIE).sum(axis=2)
+        n_closed = (at <= closing + TIE).sum(axis=2)
+        n_open = (at > opening + TIE).sum(axis=2)
         n_offsets = len(widths.offsets)
         table = _name_places(np.repeat(widths.places, len(gap_widths), axis=0))
         table.insert(0, "width", np.tile(gap_widths, len(widths.places)))
@@ -184,6 +205,13 @@ def tabulate_windows(widths: Widths, samples: int) -> pd.DataFrame:
 
     The result is always closed up to `lower` and always open beyond `upper`, which is itself in
     the window: with exact fractions because a cell that is just half full is kept.
+
+    Parameters
+    ----------
+    widths
+        The widths of all orientations and offsets.
+    samples
+        Samples along each side of a cell; 0 for exact fractions.
     """
     rows = []
     dim = widths.places.shape[1] + 1
@@ -213,42 +241,6 @@ def tabulate_windows(widths: Widths, samples: int) -> pd.DataFrame:
         table["claimed"] = np.round(claimed, 6)
         table["difference"] = (table["found"] - table["claimed"]).round(6)
     return table
-
-
-def list_contradictions(sweep: pd.DataFrame) -> pd.DataFrame:
-    """Return the points of a sweep that contradict the theorem, with the reason.
-
-    The theorem gives two windows: cells alone (`touching`, `faces`) and with sub-cells
-    (`filtration`, `sub-cells`).  Outside of them every offset must give the same result.
-    """
-    lower = sweep["scheme"].map(lambda rule: CLAIMED[rule][0])
-    upper = sweep["scheme"].map(lambda rule: CLAIMED[rule][1])
-    n_offsets = sweep[["closed", "open", "mixed"]].sum(axis=1)
-    too_early = (sweep["width"] <= lower) & (sweep["closed"] < n_offsets)
-    # With sub-cells the upper end itself is outside of the window, without them inside.
-    strict = sweep["scheme"].isin(["filtration", "sub-cells"])
-    is_beyond = (sweep["width"] > upper) | (strict & (sweep["width"] == upper))
-    too_late = is_beyond & (sweep["open"] < n_offsets)
-    rows = sweep[too_early | too_late].copy()
-    rows["why"] = [
-        _explain(*row)
-        for row in zip(rows["method"], rows["scheme"], rows["width"], rows["degrees"], strict=True)
-    ]
-    return rows.reset_index(drop=True)
-
-
-def _explain(method: str, rule: str, width: float, degrees: float) -> str:
-    """Return the reason why a point contradicts the theorem."""
-    normal = normals_of(np.array([[degrees]]))
-    closes = critical_width(0.0, normal[0], np.empty(0))
-    if closes < width <= crossing_widths(rule, normal)[0] + _TIE:
-        return {
-            "touching": "two kept cells touch at a corner across the gap: a pinch joins them",
-            "faces": "two kept cells share a face across the gap",
-            "filtration": "two kept cells share a face across the gap: sub-cells cannot cut it",
-            "sub-cells": "a cell and a vertex just half full face each other: a tie",
-        }[rule]
-    return f"{method}: a fraction by samples is off by up to one row of them"
 
 
 def _look_closer(
@@ -306,6 +298,12 @@ def sweep_methods(
         Offsets over one period, in cell sizes.
     gap_widths
         Widths of the sweep, in cell sizes.
+
+    Returns
+    -------
+    orientations, sweep, windows
+        The tables of `tabulate_orientations`, `tabulate_sweep` and `tabulate_windows`, with the
+        column `method`.
     """
     orientations, sweeps, windows = [], [], []
     for samples in SAMPLES[places.shape[1] + 1]:

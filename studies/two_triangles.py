@@ -47,6 +47,15 @@ def blocks_at_corner(thirds: int, *, upside_down: bool = False) -> list[Polygon]
 
     Upside down, they are below the line ``y = -1``.
 
+    Parameters
+    ----------
+    thirds
+        Position of the corner along x, in thirds of the unit.
+    upside_down
+        Whether the blocks are below the line ``y = -1``.
+
+    Examples
+    --------
     >>> blocks_at_corner(2)[0][1:3]
     [(Fraction(2, 3), 0), (Fraction(1, 3), 1)]
     """
@@ -61,7 +70,13 @@ def blocks_at_corner(thirds: int, *, upside_down: bool = False) -> list[Polygon]
 
 
 def blocks_of(case: str) -> list[Polygon]:
-    """Return the geometry of a case, exact and without overlaps."""
+    """Return the geometry of a case, exact and without overlaps.
+
+    Parameters
+    ----------
+    case
+        Name of the case.
+    """
     corners = CASES[case]
     blocks = blocks_at_corner(corners[0])
     if len(corners) == 2:
@@ -71,7 +86,15 @@ def blocks_of(case: str) -> list[Polygon]:
 
 
 def grid_of(case: str, level: int) -> BackgroundGrid:
-    """Return the unit grid over a case, refined `level` times; the origin is a grid vertex."""
+    """Return the unit grid over a case, refined `level` times; the origin is a grid vertex.
+
+    Parameters
+    ----------
+    case
+        Name of the case.
+    level
+        Number of refinements.
+    """
     n = 2**level
     low = -2 if case == "both" else 0
     return BackgroundGrid(shape=(3 * n, (1 - low) * n), cell_size=1 / n, origin=(-1.0, float(low)))
@@ -80,6 +103,15 @@ def grid_of(case: str, level: int) -> BackgroundGrid:
 def corner_fraction(thirds: int, level: int) -> Fraction:
     """Return the exact fraction of the cell with the corner that is filled.
 
+    Parameters
+    ----------
+    thirds
+        Position of the corner along x, in thirds of the unit.
+    level
+        Number of refinements.
+
+    Examples
+    --------
     >>> [str(corner_fraction(2, level)) for level in range(4)]
     ['5/9', '7/18', '5/9', '7/18']
     """
@@ -95,6 +127,11 @@ def refine(n_refinements: int) -> pd.DataFrame:
     `joined` names the corners whose cell is kept.  `components` and `holes` are those of the
     kept cells, which have no pinches; `sub_cell_components` and `sub_cell_holes` those of the
     mesh with all sub-cells and bridges, up to 7 refinements.
+
+    Parameters
+    ----------
+    n_refinements
+        Number of refinements.
     """
     return pd.DataFrame([_row(case, level) for case in CASES for level in range(n_refinements + 1)])
 

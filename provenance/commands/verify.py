@@ -41,15 +41,9 @@ def verify(
     from provenance.rebuild import rebuild_model
     from provenance.stored import read_records
     from provenance.verify import verify as verify_results
-    from tusqh.errors import ConfigError
 
-    if lock != LOCK and not lock.is_file():
-        raise ConfigError(
-            "the lock does not exist",
-            where=str(lock),
-            expected="a file that `tusqh lock` wrote",
-            remedy="check the path",
-        )
+    if lock != LOCK:
+        _require_lock(lock)
     plan = make_plan(snakefile, configfile or [])
     verification = verify_results(plan, read_records(), read_lock(lock))
     if rebuild:
@@ -59,6 +53,19 @@ def verify(
     else:
         _show(verification)
     raise typer.Exit(int(verification.verdict))
+
+
+def _require_lock(lock: Path) -> None:
+    """Raise an error where a lock that was named does not exist."""
+    from tusqh.errors import ConfigError
+
+    if not lock.is_file():
+        raise ConfigError(
+            "the lock does not exist",
+            where=str(lock),
+            expected="a file that `tusqh lock` wrote",
+            remedy="check the path",
+        )
 
 
 def _show(verification: Verification) -> None:

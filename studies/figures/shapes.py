@@ -26,7 +26,17 @@ FILLS = {
 
 
 def draw_shapes(axes: Axes, shapes: pd.DataFrame, title: str) -> None:
-    """Draw the shapes of one panel with equal axes, in cells of the grid."""
+    """Draw the shapes of one panel with equal axes, in cells of the grid.
+
+    Parameters
+    ----------
+    axes
+        The axes to draw in.
+    shapes
+        The shapes of the panel.
+    title
+        Title of the axes.
+    """
     corners = shapes.filter(regex=r"^[xy]\d$").to_numpy().reshape(len(shapes), 4, 2)
     kind = shapes["shape"].to_numpy()
     for shape, fill in FILLS.items():
@@ -62,7 +72,13 @@ def draw_shapes(axes: Axes, shapes: pd.DataFrame, title: str) -> None:
 
 
 def legend_of(shapes: pd.DataFrame) -> list[Patch | Line2D]:
-    """Return the legend handles of the kinds of shapes in a table."""
+    """Return the legend handles of the kinds of shapes in a table.
+
+    Parameters
+    ----------
+    shapes
+        The shapes, with the column `kind`.
+    """
     present = set(shapes["shape"])
     names = {fill: shape for shape, fill in reversed(FILLS.items()) if shape in present}
     handles: list[Patch | Line2D] = [

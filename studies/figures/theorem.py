@@ -27,7 +27,15 @@ _CLAIM = "#aa3377"
 
 
 def draw_map(sweep: pd.DataFrame, orientations: pd.DataFrame) -> Figure:
-    """Return the outcome over rotation and width: exact for all rules, then with samples."""
+    """Return the outcome over rotation and width: exact for all rules, then with samples.
+
+    Parameters
+    ----------
+    sweep
+        The table of `tabulate_sweep`.
+    orientations
+        The table of `tabulate_orientations`.
+    """
     methods = list(dict.fromkeys(sweep["method"]))
     figure, axes = style.new_figure(len(methods), 4, width=13.0, height=2.9 * len(methods) + 0.8)
     for row, method in zip(axes, methods, strict=True):
@@ -76,7 +84,13 @@ def _draw_outcomes(axes: Axes, rows: pd.DataFrame) -> None:
 
 
 def draw_windows(windows: pd.DataFrame) -> Figure:
-    """Return the ends of the windows over the number of samples, in the plane and in space."""
+    """Return the ends of the windows over the number of samples, in the plane and in space.
+
+    Parameters
+    ----------
+    windows
+        The table of `tabulate_windows`.
+    """
     figure, axes = style.new_figure(1, 2, width=11.0, height=5.0)
     for panel, (dim, table) in zip(axes[0], windows.groupby("dimension"), strict=True):
         methods = list(dict.fromkeys(table["method"]))
@@ -125,6 +139,11 @@ def draw_plane_gap(orientations: pd.DataFrame) -> Figure:
     """Return the ends of the window of every normal of a plane gap, exact, in closed form.
 
     The title says how far patches of cells, at some offsets only, stay within it.
+
+    Parameters
+    ----------
+    orientations
+        The table of `tabulate_orientations`.
     """
     exact = orientations[orientations["method"] == "exact"]
     gap = exact["crossing_width"] - exact["largest_opening"]

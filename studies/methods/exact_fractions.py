@@ -96,6 +96,15 @@ def exact_fractions(polygons: Sequence[Polygon], grid: BackgroundGrid) -> Volume
 def exact_cell_fractions(polygons: Sequence[Polygon], grid: BackgroundGrid) -> FloatArray:
     """Return the fractions of the cells alone, shape n, for grids too fine for sub-cells.
 
+    Parameters
+    ----------
+    polygons
+        Triangles or quads that do not overlap, counter-clockwise.
+    grid
+        The background grid.
+
+    Examples
+    --------
     >>> grid = BackgroundGrid(shape=(2, 1), cell_size=1.0, origin=(0.0, 0.0))
     >>> exact_cell_fractions([[(0, 0), (2, 0), (0, 1)]], grid).tolist()
     [[0.75], [0.25]]

@@ -53,6 +53,13 @@ def closed_betti(kept: BoolArray) -> BettiNumbers:
 
     They are those of the cells with all pinches connected.
 
+    Parameters
+    ----------
+    kept
+        Whether each cell is kept, shape n.
+
+    Examples
+    --------
     >>> str(closed_betti(np.eye(3, dtype=bool)))
     '(1, 0, 0)'
     """

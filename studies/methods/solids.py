@@ -26,6 +26,13 @@ def cut_tets(points: FloatArray, tets: IntArray) -> VolumeMesh:
     A hex at corner `a` with its neighbours `b`, `c`, `d` has the middles of the edges, faces and
     tetrahedron that hold `a`.  Neighbours are cut alike, so topology and conformity stay.
 
+    Parameters
+    ----------
+    points
+        Coordinates, shape (n, 3).
+    tets
+        Point indices of each tetrahedron, shape (m, 4).
+
     Examples
     --------
     >>> mesh = cut_tets(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), [[0, 1, 2, 3]])
@@ -97,6 +104,15 @@ def measure_fit(points: FloatArray, cells: IntArray, soup: Soup) -> dict[str, fl
 
     `boundary_mean`, `boundary_max`: from the boundary to the surface; `surface_mean`,
     `surface_max`: from the surface to the boundary; over random points of known seed.
+
+    Parameters
+    ----------
+    points
+        Coordinates of the solid, shape (n, 3).
+    cells
+        Hexes (m, 8) or tetrahedra (m, 4), VTK order.
+    soup
+        The surface.
     """
     mesh = VolumeMesh.from_arrays(points, cells) if cells.shape[1] == 8 else cut_tets(points, cells)
     facets = mesh.facets

@@ -26,6 +26,11 @@ def element_matrices(mesh: VolumeMesh) -> tuple[FloatArray, FloatArray]:
 
     The Gauss points are those of MFEM: two along each axis in 2D, three in 3D.
 
+    Parameters
+    ----------
+    mesh
+        The mesh.
+
     Returns
     -------
     lumped
@@ -54,7 +59,15 @@ def element_matrices(mesh: VolumeMesh) -> tuple[FloatArray, FloatArray]:
 
 
 def assemble_stiffness(mesh: VolumeMesh, stiffness: FloatArray) -> csr_matrix:
-    """Return the sum of element matrices, shape (n_points, n_points)."""
+    """Return the sum of element matrices, shape (n_points, n_points).
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    stiffness
+        Stiffness matrix of every element, shape (m, 2**dim, 2**dim).
+    """
     n_corners = mesh.cells.shape[1]
     rows = np.repeat(mesh.cells, n_corners, axis=1).ravel()
     columns = np.tile(mesh.cells, (1, n_corners)).ravel()
@@ -63,7 +76,13 @@ def assemble_stiffness(mesh: VolumeMesh, stiffness: FloatArray) -> csr_matrix:
 
 
 def count_kernel(stiffness: csr_matrix) -> int:
-    """Return the number of zero eigenvalues of a Neumann stiffness matrix: one per component."""
+    """Return the number of zero eigenvalues of a Neumann stiffness matrix: one per component.
+
+    Parameters
+    ----------
+    stiffness
+        The matrix of the whole mesh, shape (n_points, n_points).
+    """
     return int(connected_components(stiffness, directed=False, return_labels=False))
 
 
@@ -121,6 +140,18 @@ def estimate_condition(stiffness: csr_matrix) -> tuple[float, int]:
 def label_parts(mesh: VolumeMesh) -> tuple[IntArray, int]:
     """Return the part of every element, from 0, where only shared facets join, and their number.
 
+    Parameters
+    ----------
+    mesh
+        The mesh.
+
+    Returns
+    -------
+    part, n_parts
+        Part of each element, shape (m,), int64; number of parts.
+
+    Examples
+    --------
     >>> points = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1], [2, 1], [2, 2], [1, 2]])
     >>> quads = np.array([[0, 1, 2, 3], [2, 4, 5, 6]])
     >>> label_parts(VolumeMesh.from_arrays(points, quads))[1]      # they share a vertex
@@ -141,6 +172,11 @@ def count_mechanisms(mesh: VolumeMesh) -> int:
     Parts that are joined by a vertex or an edge only can rotate about it without energy: additional
     zero eigenvalues of the stiffness matrix of elasticity.  The count assumes that each part moves
     rigidly, and that each point shared by parts moves with all of them.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
     """
     part, n_parts = label_parts(mesh)
     dim, n_rigid = mesh.dim, mesh.dim * (mesh.dim + 1) // 2
@@ -176,7 +212,15 @@ def _rigid_motions(points: FloatArray) -> FloatArray:
 
 
 def points_of(mesh: VolumeMesh, elements: BoolArray) -> BoolArray:
-    """Return whether each point belongs to some elements, shape (n_points,)."""
+    """Return whether each point belongs to some elements, shape (n_points,).
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    elements
+        Whether each element is meant, shape (m,).
+    """
     is_used = np.zeros(len(mesh.points), dtype=bool)
     is_used[mesh.cells[elements].ravel()] = True
     return is_used

@@ -5,15 +5,13 @@ import math
 import numpy as np
 import pytest
 
+from studies.contradictions import list_contradictions
+from studies.directions import normals_of, plane_normals, rotations
 from studies.gap import critical_width
 from studies.gap_patch import RULES
 from studies.theorem import (
     crossing_widths,
-    list_contradictions,
     measure,
-    normals_of,
-    plane_normals,
-    rotations,
     tabulate_orientations,
     tabulate_sweep,
     tabulate_windows,

@@ -2,7 +2,7 @@ import shutil
 from pathlib import Path
 
 from provenance.crate import make_crate, select_records
-from provenance.crate_entities import ROOT
+from provenance.crate_ids import ROOT
 from provenance.environment import installed_versions
 from provenance.record import recorded
 from provenance.stored import read_records

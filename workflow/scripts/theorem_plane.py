@@ -3,7 +3,9 @@ from pathlib import Path
 import numpy as np
 
 from provenance.record import recorded
-from studies.theorem import list_contradictions, rotations, sweep_methods
+from studies.contradictions import list_contradictions
+from studies.directions import rotations
+from studies.theorem import sweep_methods
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:

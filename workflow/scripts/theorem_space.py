@@ -3,7 +3,8 @@ from pathlib import Path
 import numpy as np
 
 from provenance.record import recorded
-from studies.theorem import plane_normals, sweep_methods
+from studies.directions import plane_normals
+from studies.theorem import sweep_methods
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
