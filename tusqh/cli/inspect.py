@@ -14,17 +14,19 @@ from tusqh.settings.model import Settings
 if TYPE_CHECKING:
     import pandas as pd
 
-#: Number of intervals of the threshold that are listed, the widest ones.
-_ROWS = 12
+#: At most this many intervals of the threshold are listed, the best ones.
+_ROWS = 10
 
 
-@options.with_settings(without=("goal", "quality"))
+@options.with_settings(
+    without=("goal.target", "goal.persistence", "goal.volume", "quality"),
+)
 def inspect(
     geometry: options.Source,
     *,
     settings: Settings,
     every: Annotated[
-        bool, typer.Option("--all", help=f"List every interval, not the {_ROWS} widest.")
+        bool, typer.Option("--all", help=f"List every interval, not the {_ROWS} best.")
     ] = False,
     defects_only: Annotated[
         bool, typer.Option("--defects-only", help="Measure the defects and stop.")
@@ -33,7 +35,9 @@ def inspect(
     """Measure the defects of a geometry, and list the topologies it can be meshed with.
 
     Nothing is repaired. The second table says for every interval of the threshold how many
-    components, holes and voids the mesh would have; ask for one with tusqh mesh --betti.
+    components, holes and voids the mesh would have, and its volume over that of the geometry; ask
+    for one with tusqh mesh --betti. Wide intervals with the right volume come first; the one at
+    --threshold (1/2) is always listed.
 
     For example:
 
@@ -43,9 +47,10 @@ def inspect(
     """
     from tusqh.pipeline.describe_reading import describe_reading, lines_of_reading
     from tusqh.pipeline.ingest import describe_geometry, read_source
-    from tusqh.pipeline.sample import sample
+    from tusqh.pipeline.sample import BASE_THRESHOLD, sample
     from tusqh.pipeline.select import find_plateaus
     from tusqh.pipeline.unused_settings import note_unused_settings
+    from tusqh.sampling.reference import find_reference
 
     reading = read_source(geometry, image=settings.image.to_dict())
     reading = note_unused_settings(reading, settings)
@@ -63,25 +68,42 @@ def inspect(
             grid=settings.grid,
             sampling=settings.sampling,
             window=settings.window,
+            threshold=settings.goal.threshold,
             progress=progress,
         )
-        topologies = find_plateaus(fractions, policy=settings.policy, progress=progress).table
-    table, n_more = _list_topologies(topologies, every=every)
-    show(table, title=f"Topologies on {fractions.grid.label} cells, by threshold t")
+        box = None if settings.window is None else settings.window.box
+        plateaus = find_plateaus(
+            fractions,
+            policy=settings.policy,
+            reference=find_reference(found, fractions, sampling=settings.sampling, window=box),
+            progress=progress,
+        )
+    base = settings.goal.threshold or BASE_THRESHOLD
+    table, n_more = _list_topologies(plateaus.table, base, every=every)
+    source = plateaus.reference.source
+    show(table, title=f"Topologies on {fractions.grid.label} cells, by threshold t, best first")
+    make_console().print(f"volume: of the kept cells over {source}; at: where t = {base:g} lies")
     if n_more:
-        make_console().print(f"{n_more} narrower intervals are not shown; --all lists them")
+        make_console().print(f"{n_more} more intervals are not shown; --all lists them")
 
 
-def _list_topologies(topologies: pd.DataFrame, *, every: bool) -> tuple[pd.DataFrame, int]:
-    """Return the intervals of the threshold from high to low, and how many were left out."""
-    from tusqh.threshold.plateaus import merge_intervals
+def _list_topologies(
+    topologies: pd.DataFrame, base: float, *, every: bool
+) -> tuple[pd.DataFrame, int]:
+    """Return the intervals of the threshold, the best first, and how many were left out."""
+    from tusqh.threshold.candidates import rank_for_inspection
 
-    intervals = merge_intervals(topologies)
-    shown = intervals if every else intervals.nlargest(_ROWS, "width").sort_index()
+    intervals = rank_for_inspection(topologies, base)
+    is_shown = (intervals["rank"] <= _ROWS) | every
+    if not (is_shown & (intervals["at"] != "")).any():  # That one takes the place of the last.
+        is_shown = (intervals["rank"] < _ROWS) | (intervals["at"] != "")
+    shown = intervals[is_shown]
     columns = {
+        "rank": "rank",
+        "at": "at",
         "lower": "lower <",
         "upper": "t <= upper",
-        "width": "width",
+        "volume_ratio": "volume",
         "cells": "cells",
         "betti_0": "components",
         "betti_1": "holes",

@@ -65,7 +65,7 @@ def with_settings(*, without: tuple[str, ...] = ()) -> Callable[[Any], Any]:
     Parameters
     ----------
     without
-        Fields of `Settings` that the command has no options for.
+        Fields of `Settings` that the command has no options for, as ``goal`` or ``goal.target``.
 
     Returns
     -------
@@ -76,7 +76,11 @@ def with_settings(*, without: tuple[str, ...] = ()) -> Callable[[Any], Any]:
 
 
 def _add_options(command: Any, *, without: tuple[str, ...]) -> Any:
-    options = [o for o in options_of(Settings) if o.attributes[0] not in without]
+    options = [
+        o
+        for o in options_of(Settings)
+        if not {o.attributes[0], ".".join(o.attributes)}.intersection(without)
+    ]
     hints = get_type_hints(command, include_extras=True)
     own = inspect.signature(command).parameters
     parameters = []

@@ -87,6 +87,45 @@ def rank_candidates(predicted: pd.DataFrame, is_wanted: pd.Series) -> pd.DataFra
     return _with_rank(intervals.iloc[order])
 
 
+def rank_for_inspection(predicted: pd.DataFrame, base: float) -> pd.DataFrame:
+    """Return all intervals, those first that are wide and have the right volume.
+
+    They are ranked by their width times the smaller of the volume ratio and its inverse, so that a
+    wide interval whose mesh has a hundredth of the volume comes after a narrow one that is right.
+    Where the volume is unknown, the width alone counts.
+
+    Parameters
+    ----------
+    predicted
+        See `tusqh.threshold.plateaus.Plateaus.table`.
+    base
+        The threshold whose interval is marked.
+
+    Returns
+    -------
+    intervals
+        The columns of `tusqh.threshold.plateaus.merge_intervals`, `rank`, and `at`, which has the
+        base threshold at its interval and is empty elsewhere.
+
+    Examples
+    --------
+    >>> predicted = pd.DataFrame({
+    ...     "upper": [1.0, 0.4], "lower": [0.4, 0.0], "width": [0.6, 0.4], "threshold": [0.7, 0.2],
+    ...     "cells": [4, 400], "volume_ratio": [0.01, 1.0],
+    ...     "betti_0": [4, 1], "betti_1": 0, "betti_2": 0})
+    >>> rank_for_inspection(predicted, 0.5)[["rank", "cells", "at"]].values.tolist()
+    [[1, 400, ''], [2, 4, '0.5']]
+    """
+    intervals = merge_intervals(predicted)
+    ratio = intervals["volume_ratio"].fillna(1.0)
+    nearness = np.minimum(ratio, 1 / ratio)
+    order = np.lexsort([-intervals["width"], -(intervals["width"] * nearness)])
+    ranked = intervals.iloc[order].reset_index(drop=True)
+    ranked.insert(0, "rank", np.arange(1, len(ranked) + 1))
+    is_base = (ranked["lower"] < base) & (base <= ranked["upper"])
+    return ranked.assign(at=np.where(is_base, f"{base:g}", ""))
+
+
 def list_plateaus(plateaus: pd.DataFrame) -> pd.DataFrame:
     """Return single plateaus as candidates, in the order given.
 
