@@ -30,8 +30,8 @@ def nothing_inside(geometry: Surface, spacing: float) -> SamplingError:
             f"the samples are {spacing:.3g} apart",
             where=geometry.name,
             expected="parts larger than the spacing of the samples",
-            remedy="use smaller cells (`--cells`), a `--window` around the parts, or more "
-            "`--samples`",
+            remedy=f"use `--cell-size {sides.max() / 2:.3g}`, which puts two cells across, a "
+            "`--window` around the parts, or more `--samples`",
         )
     return SamplingError(
         "the winding number is zero everywhere, so the geometry has no inside",
