@@ -29,6 +29,11 @@ def remarks_on_small_polygons(
     is_outside
         Whether the mesh is of what the outline leaves out.
 
+    Returns
+    -------
+    tuple of Remark
+        One remark, or none.
+
     Examples
     --------
     >>> ring = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1], [0, 0]])
