@@ -19,6 +19,7 @@ def check_materials(found, case):
     """Compare every material, the void and the solid with the prediction, by three counts."""
     assert found.mesh.measurement.is_sound, case
     assert found.is_as_predicted, case
+    assert all(measured.is_sound for measured in found.measured.values()), case
     for name, measured in found.measured.items():
         assert betti_by_rank(measured.mesh.cells) == found.predicted[name], case
     assert found.mesh.measurement.smallest_scaled_jacobian >= BOUND, case

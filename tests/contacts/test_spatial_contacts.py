@@ -20,6 +20,7 @@ def check_materials(found, case):
     """Compare every material, the void and the solid with the prediction, by two counts."""
     assert found.mesh.measurement.is_sound, case
     assert found.is_as_predicted, case
+    assert all(measured.is_sound for measured in found.measured.values()), case
     assert found.mesh.measurement.smallest_scaled_jacobian >= BOUND, case
     present = set(found.measured)
     assert {name for name, betti in found.predicted.items() if betti.betti_0} == present

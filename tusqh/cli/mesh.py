@@ -10,9 +10,10 @@ import typer
 from rich.table import Table
 
 from tusqh.cli import options
+from tusqh.cli.materials import mesh_and_show
 from tusqh.cli.progress import shown
 from tusqh.cli.show import make_console, report_error
-from tusqh.errors import OutputError, TopologyError
+from tusqh.errors import ConfigError, OutputError, TopologyError
 from tusqh.settings.model import Settings
 
 if TYPE_CHECKING:
@@ -46,6 +47,12 @@ def mesh(
     strict: Annotated[
         bool, typer.Option("--strict", help="End with exit code 3 where there are warnings.")
     ] = False,
+    materials: Annotated[
+        bool,
+        typer.Option(
+            "--materials", help="Mesh every label of an image as a material of its own; 0 is void."
+        ),
+    ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
 ) -> None:
     """Mesh a dirty geometry with the topology you ask for.
@@ -64,6 +71,16 @@ def mesh(
     """
     outputs = output or [Path(Path(geometry).stem + ".vtu")]
     _require_outputs(geometry, outputs, results)
+    if materials and results is not None:
+        raise ConfigError(
+            "--results together with --materials",
+            where="tusqh mesh",
+            expected="mesh files with -o",
+            remedy="leave out --results",
+        )
+    if materials:
+        mesh_and_show(geometry, outputs, settings, as_json=as_json)
+        return
     from tusqh.pipeline.mesh import run_stages
 
     try:

@@ -22,6 +22,7 @@ from tusqh.errors import TopologyError
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.facets import find_facets
 from tusqh.meshes.formats import write_mesh
+from tusqh.meshes.manifold import find_non_manifold_points
 from tusqh.meshes.measure import Measurement
 from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
@@ -111,6 +112,8 @@ class MaterialMesh:
     def measured_solid(self) -> Measurement:
         """The measurement of all materials together without the void."""
         solid = np.flatnonzero(self.material != len(self.names) - 1)
+        if len(solid) == len(self.material):
+            return self.mesh.measurement
         return _take(self.mesh, solid, self.mesh.name).measurement
 
     @property
@@ -118,7 +121,12 @@ class MaterialMesh:
         """Whether every material and the solid are sound and have the predicted Betti numbers."""
         pairs = [(m, self.predicted[name]) for name, m in self.measured.items()]
         pairs.append((self.measured_solid, self.predicted_solid))
-        return all(m.is_sound and m.has_topology(predicted) for m, predicted in pairs)
+        # All elements are checked once; of each material what depends on which elements it has.
+        return self.mesh.measurement.is_sound and all(
+            len(find_non_manifold_points(measured.mesh.facets)) == 0
+            and measured.has_topology(predicted)
+            for measured, predicted in pairs
+        )
 
     @cached_property
     def interfaces(self) -> dict[tuple[str, str], Interface]:

@@ -1,0 +1,38 @@
+"""`tusqh mesh --materials`: an image of labels to a mesh with a row for every material."""
+
+import json
+
+import meshio
+import numpy as np
+from typer.testing import CliRunner
+
+from tusqh.cli.app import app
+
+
+def test_a_file_of_labels(tmp_path):
+    image = np.zeros((8, 8, 8), dtype=np.uint8)
+    image[1:7, 1:7, 1:7] = 1
+    image[3:5, 3:5, 3:5] = 5
+    np.save(tmp_path / "core.npy", image)
+    out = tmp_path / "core.vtu"
+    words = ["mesh", str(tmp_path / "core.npy"), "--materials", "-o", str(out)]
+    done = CliRunner().invoke(app, [*words, "--json"])
+    assert done.exit_code == 0, done.output
+    report = json.loads(done.stdout)
+    rows = {row["material"]: row for row in report["materials"]}
+    assert {name: row["measured"] for name, row in rows.items()} == {
+        "1": "(1, 0, 1)",
+        "5": "(1, 0, 0)",
+        "all": "(1, 0, 0)",
+    }
+    assert [row["volume"] for row in rows.values()] == [208.0, 8.0, 216.0]
+    numbers, counts = np.unique(meshio.read(out).cell_data["material"][0], return_counts=True)
+    assert dict(zip(numbers, counts, strict=True)) == {1: 208, 2: 8}
+    # Cells of two voxels.
+    done = CliRunner().invoke(app, [*words, "--json", "--cells", "4"])
+    report = json.loads(done.stdout)
+    assert sum(row["elements"] for row in report["materials"][:-1]) < 216
+    # What has no effect is refused.
+    done = CliRunner().invoke(app, [*words, "--betti", "1,0,0"])
+    assert done.exit_code != 0
+    assert "goal" in str(done.exception)
