@@ -43,7 +43,7 @@ def add_model(
     """Write a new model into the configuration and the register: both, or neither.
 
     A geometry file from outside the repository is copied to ``data_sources/<name>/``.  The text
-    of the configuration stays as it is, comments included; the block is added after the last one.
+    of the configuration does not change, comments included; the block is added after the last one.
 
     Parameters
     ----------

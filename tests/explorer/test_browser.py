@@ -258,7 +258,7 @@ def test_classes_can_be_walked_through_with_the_keyboard(opened, subject):
         seen.append(opened.evaluate("explorer.diagram.shown"))
     last = len(subject.diagram) - 1
     assert seen == [0, 1, last, 0, last]
-    page.get_by_role("button", name="Just appeared").click()
+    page.get_by_role("button", name="Set threshold to birth").click()
     now = opened.evaluate("explorer.state()")
     assert now["upper"] == opened.evaluate("explorer.diagram.birth(explorer.diagram.shown)")
     page.focus("#diagram")

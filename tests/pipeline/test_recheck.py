@@ -82,7 +82,9 @@ def test_without_the_geometry_the_warnings_are_those_recorded(folder):
     )
     (check,) = checks(folder).values()
     assert (check.id, check.found, check.is_warning) == ("x", "z", True)
-    assert "as recorded by the certificate: geometry.vtp is not beside it" in check.required
+    assert (
+        "as recorded by the certificate: geometry.vtp is missing from its folder" in check.required
+    )
     change(folder, lambda c: c.update(warnings=[]))
     (check,) = checks(folder).values()
     assert check.holds is None

@@ -168,7 +168,7 @@ class _Joiner:
 
 
 def _disjoint_set(items: Iterable[int]) -> DisjointSet:
-    """Return every item in a set of its own."""
+    """Return the initial sets of union-find, one for each item."""
     # Imported here, since few meshes have bridges and the import takes 0.1 s.
     from scipy.cluster.hierarchy import DisjointSet
 

@@ -21,9 +21,9 @@ def add(
     *,
     settings: Settings,
     unit: Annotated[str, typer.Option(help="Unit of length of the file.")] = "m",
-    licence: Annotated[str, typer.Option(help="What one may do with the file.")] = "unknown",
+    licence: Annotated[str, typer.Option(help="Licence of the file.")] = "unknown",
     origin: Annotated[str, typer.Option(help="Where the file comes from, in words.")] = "",
-    url: Annotated[str, typer.Option(help="Where it can be had.")] = "",
+    url: Annotated[str, typer.Option(help="Address from which it can be downloaded.")] = "",
     config: Annotated[Path, typer.Option(help="The configuration of the workflow.")] = Path(
         "config/config.yaml"
     ),
@@ -32,7 +32,7 @@ def add(
 
     The geometry is read first, and the block is checked as the workflow will check it. A file
     from outside the repository is copied to data_sources/NAME/. Comments in the configuration
-    stay; a name that is there already is refused.
+    stay; a name that already exists is rejected.
 
     For example:
 

@@ -1,4 +1,4 @@
-"""Stop on a signal and leave no incomplete files; nobody reads the output: stop without a word."""
+"""Stop on a signal without leaving incomplete files; stop silently if the output has no reader."""
 
 from __future__ import annotations
 

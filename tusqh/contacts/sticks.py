@@ -315,7 +315,7 @@ def improve(vertices, field, costs, frozen, tables):  # type: ignore[no-untyped-
     costs
         See `tusqh.contacts.stick_field.Costs`.
     frozen
-        Vertices that are left as they are, shape (n_v,), bool.
+        Vertices that do not change, shape (n_v,), bool.
     tables
         See `tusqh.contacts.octants.Octants`.
 

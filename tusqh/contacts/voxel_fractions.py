@@ -74,7 +74,7 @@ def fractions_of_labels(
 
 
 def _check(voxels: NDArray[np.integer], voxels_per_cell: int) -> None:
-    """Raise a `SamplingError` for voxels that are no labels."""
+    """Raise a `SamplingError` for voxels that are not labels."""
     if voxels.dtype.kind not in "iu" or voxels.ndim not in (2, 3) or voxels.size == 0:
         raise SamplingError(
             f"voxels of type {voxels.dtype} and shape {voxels.shape}",

@@ -16,7 +16,7 @@ class Remark:
     ----------
     effect
         "left out" for what is in the file and not in the geometry, "changed" for what is in the
-        geometry in another form, "noted" for what is read as it is but looks wrong.
+        geometry in another form, "noted" for what is read unchanged but looks wrong.
     what
         The kind of thing, as a plural noun with its place where it has one: "text entities",
         "triangles without area", "rings of feature 7".

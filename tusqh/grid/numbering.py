@@ -3,7 +3,7 @@
 ::
 
     3 ----2---- 2        7 ------- 6         Corners and sides of a quad: corner c is the
-    |           |       /|        /|         start of side c, walked counter-clockwise.
+    |           |       /|        /|         start of side c, traversed counter-clockwise.
     3           1      4 ------- 5 |         A hex has the quad of its lower face first,
     |           |      | 3 ------|-2         then the one of its upper face.
     0 ----0---- 1      |/        |/

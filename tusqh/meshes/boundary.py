@@ -35,7 +35,7 @@ class Boundary:
     Parameters
     ----------
     corners
-        Points of every facet, walked so that it faces outwards, shape (m, 2**(dim - 1)).
+        Points of every facet, ordered so that it faces outwards, shape (m, 2**(dim - 1)).
     element
         Element that each facet belongs to, shape (m,).
     local

@@ -69,7 +69,7 @@ def read_vtu(path: Path, *, name: str | None = None) -> VolumeMesh:
         )
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # Of files without points, which are refused below.
+            warnings.simplefilter("ignore")  # Of files without points, which are rejected below.
             grid = pyvista.read(path)
         types = set(np.unique(grid.celltypes).tolist())
     except Exception as reason:

@@ -1,4 +1,4 @@
-"""What a certificate says about the geometry, recomputed from the files beside it."""
+"""What a certificate says about the geometry, recomputed from the files in its folder."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.io import load_fractions
 from tusqh.settings.policy import Policy
 
-_RECORDED = "as recorded by the certificate: {} is not beside it, so they are not recomputed"
+_RECORDED = "as recorded by the certificate: {} is missing from its folder"
 
 
 def recheck(path: Path, mesh: VolumeMesh) -> list[Check]:

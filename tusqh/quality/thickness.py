@@ -1,7 +1,7 @@
 """The local thickness of the material, by rays from a sample of its surface.
 
 A ray follows the winding number, which changes by one at every facet, so that parts that overlap
-are one wall and facets inside the material are no surface.
+are one wall and facets inside the material do not count as surface.
 """
 
 from __future__ import annotations

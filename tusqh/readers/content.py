@@ -1,4 +1,4 @@
-"""What the first bytes of a file say about its format, whatever its name says."""
+"""Identifies the format of a file by its first bytes, independent of its name."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import struct
 from pathlib import Path
 from typing import NamedTuple
 
-#: Bytes at the start of a file that are looked at.
+#: Number of bytes at the start of a file that identify its format.
 _HEAD = 4096
 
 

@@ -44,7 +44,7 @@ def flatten_curve(
         start, end = fine[:-1:4, None], fine[4::4, None]
         inside = fine[:-1].reshape(n_chords, 4, 2)[:, 1:]
         off = np.linalg.norm(inside - (start + weight * (end - start)), axis=2)
-        # Written so that coordinates that are not finite end the search; they are refused later.
+        # Written so that coordinates that are not finite end the search; they are rejected later.
         if not off.max() > tolerance or 2 * n_chords > MOST_CHORDS:
             return fine[::4]
         n_chords *= 2

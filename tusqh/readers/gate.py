@@ -24,7 +24,7 @@ _KINDS: tuple[tuple[Callable[[int], bool], str], ...] = (
 def check_file(path: Path, found: Format) -> None:
     """Raise where a file cannot be read as its format, before any of it is read.
 
-    Only a few kilobytes are looked at, and pipes and devices are never opened.
+    Only a few kilobytes are read, and pipes and devices are never opened.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def check_part(path: Path, name: str) -> Path:
         raise GeometryError(
             f"its data is in {name[:60]!r}, and there is no such file",
             where=str(path),
-            expected="the files that belong to it beside it",
+            expected="the files that belong to it in the same folder",
             remedy="copy the files that belong to it too",
         )
     return part
@@ -144,7 +144,7 @@ def _wrong(path: Path, found: str, remedy: str) -> GeometryError:
 
 
 def _reason(error: Exception) -> str:
-    """Return why a path cannot be looked at."""
+    """Return why a path cannot be examined."""
     return str(getattr(error, "strerror", None) or error)
 
 

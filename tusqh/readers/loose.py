@@ -184,7 +184,7 @@ def _walk(chains: list[FloatArray], edges: IntArray) -> list[FloatArray]:
 
 
 def _next(candidates: list[int], is_used: BoolArray) -> int | None:
-    """Return the first chain in a list that was not walked yet, and take it off the list."""
+    """Return the first chain in a list that was not visited yet, and remove it."""
     while candidates:
         k = candidates.pop(0)
         if not is_used[k]:

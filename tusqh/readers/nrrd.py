@@ -127,7 +127,7 @@ class _Frame:
 
     def arrange(self, voxels: NDArray[Any]) -> NDArray[Any]:
         """Return an array with its axes in the order and the directions of space."""
-        if voxels.ndim != 3:  # An image of fewer axes is refused later.
+        if voxels.ndim != 3:  # An image with fewer axes is rejected later.
             return voxels
         flipped = np.flip(voxels, axis=tuple(i for i in range(3) if self.steps[i] < 0))
         return flipped.transpose(np.argsort(self.towards))
@@ -191,7 +191,7 @@ def _steps_between_ends(
 
 
 def _of_three(numbers: FloatArray, other: float) -> FloatArray:
-    """Return three numbers; an image of fewer axes is refused later."""
+    """Return three numbers; an image with fewer axes is rejected later."""
     return np.append(numbers, [other] * 3)[:3]
 
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from tusqh.geometry.remark import Remark
 from tusqh.grid import BoolArray, FloatArray, IntArray
 
-#: A ring that crosses itself stays as it is while the area that its winding number gets wrong is
-#: below this part of its area: a slip of the pen, not a shape.
+#: A ring that crosses itself is kept unchanged if its winding number gets less than this part of
+#: its area wrong; such a crossing is a drawing error, not a shape.
 SLIP = 1e-3
 
 Regions = NDArray[Any]

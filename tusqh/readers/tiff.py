@@ -96,7 +96,7 @@ def _orientation_of(page: Any) -> int:
 
 
 def _upright(voxels: NDArray[Any], orientation: int) -> NDArray[Any]:
-    """Return pages, shape (nx, ny, ...), turned as they are to be seen."""
+    """Return pages, shape (nx, ny, ...), turned into the orientation in which they are shown."""
     if orientation in (2, 3, 7, 8):
         voxels = voxels[::-1]
     if orientation in (3, 4, 6, 7):
@@ -116,7 +116,7 @@ def _stack(path: Path, file: Any) -> tuple[NDArray[Any], str, int]:
             f"the file holds {len(shapes)} images of {kinds} (last axis first)",
             where=str(path),
             expected="one stack of pages of one shape and type",
-            remedy="export one of them as a file of its own",
+            remedy="export one of them as a separate file",
         )
     needed = sum(math.prod(shape) * np.dtype(kind).itemsize for shape, kind, _ in shapes)
     require_memory(path, 3 * needed, what=f"an image of {needed / 1e6:,.0f} MB")

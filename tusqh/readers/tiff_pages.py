@@ -89,7 +89,7 @@ def check_data(path: Path, series: Any) -> int:
                 f"page {number} of {len(series.pages)} is missing",
                 where=str(path),
                 expected="all pages in this file",
-                remedy="put the other files of the series beside it, or export it as one file",
+                remedy="put all files of the series into its folder, or export it as one file",
             )
         extents = list(zip(page.dataoffsets, page.databytecounts, strict=False))
         end = max((start + length for start, length in extents), default=0)

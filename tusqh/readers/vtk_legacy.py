@@ -44,7 +44,7 @@ def check_legacy(path: Path) -> None:
 
 
 class _Walk:
-    """The bytes of a file that were not walked yet."""
+    """The bytes of a file that were not read yet."""
 
     def __init__(self, path: Path) -> None:
         self.path = path

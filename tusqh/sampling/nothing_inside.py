@@ -36,8 +36,8 @@ def nothing_inside(geometry: Surface, spacing: float) -> SamplingError:
     return SamplingError(
         "the winding number is zero everywhere, so the geometry has no inside",
         where=geometry.name,
-        expected="a geometry that encloses something, each border walked once",
-        remedy="remove one of the two copies if every border is there twice in opposite "
+        expected="a geometry that encloses something, with each boundary traversed once",
+        remedy="remove one of the two copies if every boundary is traversed twice in opposite "
         "directions (double-sided sheets)",
     )
 

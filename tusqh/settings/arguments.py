@@ -279,7 +279,7 @@ def _is_section(kind: Any) -> bool:
 
 
 def _read(convert: Callable[[Any], Any], value: Any, where: str) -> Any:
-    """Return a value converted to a mapping; what cannot be is refused."""
+    """Return a value converted to a mapping, or raise an error that says what is expected."""
     try:
         return convert(value)
     except ValueError as expected:

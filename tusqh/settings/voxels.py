@@ -48,7 +48,7 @@ class Voxels(Section):
     channel: int | None = setting(
         "Number, from 0, of the channel, colour or time to read, in an image that has several.",
         default=None,
-        otherwise="none: an image that has several is refused",
+        otherwise="none: an image that has several is rejected",
         at_least=0,
         metavar="N",
     )

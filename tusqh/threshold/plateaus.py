@@ -94,7 +94,7 @@ class Plateaus:
     def find_interval(self, threshold: float) -> pd.Series | None:
         """Return the run of plateaus around a threshold whose meshes have the same Betti numbers.
 
-        Only the plateaus of the run and the two beside it are examined.
+        Only the plateaus of the run and the two next to it are examined.
 
         Parameters
         ----------

@@ -281,9 +281,9 @@ class Explorer {
       button.addEventListener('click', act);
       buttons.append(button);
     };
-    add('Just appeared', () => this.setThreshold(birth));
-    if (!never) add('Just gone', () => this.setThreshold(death));
-    add('Go there', () => this.stage && this.stage.approach(this.markers.locate(pairs.birth_place[i]).centre));
+    add('Set threshold to birth', () => this.setThreshold(birth));
+    if (!never) add('Set threshold to death', () => this.setThreshold(death));
+    add('Zoom to feature', () => this.stage && this.stage.approach(this.markers.locate(pairs.birth_place[i]).centre));
     card.append(buttons);
   }
 
