@@ -9,10 +9,18 @@ import pandas as pd
 import typer
 
 from tusqh.cli.show import show
+from tusqh.errors import ConfigError
 from tusqh.settings.model import Settings
 
 
-def mesh_and_show(geometry: str, outputs: list[Path], settings: Settings, *, as_json: bool) -> None:
+def mesh_and_show(
+    geometry: str,
+    outputs: list[Path],
+    results: Path | None,
+    settings: Settings,
+    *,
+    as_json: bool,
+) -> None:
     """Mesh an image of labels, write the mesh and print a row for every material.
 
     Parameters
@@ -21,11 +29,25 @@ def mesh_and_show(geometry: str, outputs: list[Path], settings: Settings, *, as_
         The image.
     outputs
         Mesh files to write.
+    results
+        Folder of results, which several materials do not have yet.
     settings
         The settings of the command line.
     as_json
         Print JSON instead of a table.
+
+    Raises
+    ------
+    ConfigError
+        A folder of results is asked for.
     """
+    if results is not None:
+        raise ConfigError(
+            "--results together with --materials",
+            where="tusqh mesh",
+            expected="mesh files with -o",
+            remedy="leave out --results",
+        )
     from tusqh.pipeline.materials import mesh_label_file
 
     found = mesh_label_file(geometry, settings)

@@ -13,7 +13,7 @@ from tusqh.cli import options
 from tusqh.cli.materials import mesh_and_show
 from tusqh.cli.progress import shown
 from tusqh.cli.show import make_console, report_error
-from tusqh.errors import ConfigError, OutputError, TopologyError
+from tusqh.errors import OutputError, TopologyError
 from tusqh.settings.model import Settings
 
 if TYPE_CHECKING:
@@ -71,15 +71,8 @@ def mesh(
     """
     outputs = output or [Path(Path(geometry).stem + ".vtu")]
     _require_outputs(geometry, outputs, results)
-    if materials and results is not None:
-        raise ConfigError(
-            "--results together with --materials",
-            where="tusqh mesh",
-            expected="mesh files with -o",
-            remedy="leave out --results",
-        )
     if materials:
-        mesh_and_show(geometry, outputs, settings, as_json=as_json)
+        mesh_and_show(geometry, outputs, results, settings, as_json=as_json)
         return
     from tusqh.pipeline.mesh import run_stages
 
