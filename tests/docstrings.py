@@ -76,7 +76,8 @@ def without_raises(path):
 
     def visit(node, stack):
         stack = [*stack, node]
-        if isinstance(node, ast.FunctionDef) and not is_hidden(stack):
+        is_checked = not is_hidden(stack) and not is_command(Path(path), node)
+        if isinstance(node, ast.FunctionDef) and is_checked:
             raised = {
                 n.exc.func.id
                 for n in ast.walk(node)

@@ -147,7 +147,7 @@ def test_of_too_many_plateaus_some_are_looked_at_and_the_rest_is_reported(monkey
     fractions = make_fractions(rng.random((6, 6)), rng.random((7, 7)))
     cell_sets = CellSets(fractions)
     predicted = Plateaus(cell_sets).table
-    assert 5 <= len(predicted) <= 10 < len(cell_sets.levels)
+    assert 5 <= len(predicted) <= 10 < len(cell_sets.distinct_fractions)
     assert (np.diff(predicted["threshold"]) < 0).all()
     intervals = merge_intervals(predicted)
     assert intervals["unexamined"].sum() > 0

@@ -161,7 +161,7 @@ class CellSets:
             )
 
     @cached_property
-    def levels(self) -> FloatArray:
+    def distinct_fractions(self) -> FloatArray:
         """Distinct fractions at which the cell set may change, in (0, 1], from high to low."""
         fractions = self.fractions
         if self.policy.bridges == "none" and fractions.grid.dim == 2:  # Edges play no part.

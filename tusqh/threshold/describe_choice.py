@@ -81,6 +81,11 @@ def same_cells_around(cell_sets: CellSets, threshold: float) -> tuple[float, flo
         The cells of every threshold.
     threshold
         Volume fraction in (0, 1].
+
+    Returns
+    -------
+    lower, upper
+        Neighbouring fractions with ``lower < threshold <= upper``; 0 and 1 at the ends.
     """
     fractions = np.clip(cell_sets.fractions.cells, 0.0, 1.0)
     lower = fractions.max(where=fractions < threshold, initial=0.0)
@@ -110,7 +115,7 @@ def find_interval_around(plateaus: Plateaus, threshold: float, betti: BettiNumbe
 
 def _plateau_around(cell_sets: CellSets, threshold: float) -> pd.Series:
     """Return the extent of the plateau around a threshold that was not examined."""
-    levels = np.concatenate([[1.0], cell_sets.levels, [0.0]])
+    levels = np.concatenate([[1.0], cell_sets.distinct_fractions, [0.0]])
     upper, lower = levels[levels >= threshold].min(), levels[levels < threshold].max()
     return pd.Series({"lower": lower, "upper": upper, "unexamined": 0.0})
 

@@ -54,7 +54,7 @@ class Plateaus:
         fractions = cell_sets.fractions
         self.reference = reference or Reference(fractions.volume(), "the winding-number volume")
         self._progress = progress
-        levels = np.append(cell_sets.levels, 0.0)
+        levels = np.append(cell_sets.distinct_fractions, 0.0)
         if levels[0] < 1.0:
             levels = np.append(1.0, levels)
         examined = _choose(levels[:-1], levels[1:], cell_sets.fractions.grid.n_cells)
