@@ -6,7 +6,10 @@ import pytest
 from tusqh.contacts.material_fractions import FULL, MaterialFractions
 from tusqh.contacts.mesh import mesh_materials
 from tusqh.grid import BackgroundGrid
+from tusqh.pipeline.ingest import read_source
+from tusqh.pipeline.sample import sample
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.settings.grid import Grid
 from tusqh.topology.topology import Topology
 
 
@@ -52,3 +55,20 @@ def test_in_space_where_no_vote_is_overruled():
 def test_many_fields_in_space():
     for seed in range(100, 400):
         check_all_thresholds(seed, 3, 5, 6)
+
+
+def test_a_real_model_has_the_topology_of_its_diagram(repository):
+    """Bearings on 24 cells: many contacts, wherever all votes are followed."""
+    geometry = read_source(str(repository / "data_sources/solids/bearings.stl")).geometry
+    fractions = sample(geometry, grid=Grid(cells=24, placement="corner"))
+    topology = Topology(fractions.multiples)
+    n_followed = 0
+    for threshold in (0.3, 0.5, 0.7):
+        thresholds = {"material": threshold, "void": 1 - threshold}
+        found = mesh_materials(MaterialFractions.from_fractions(fractions), thresholds=thresholds)
+        assert found.is_as_predicted
+        if found.n_overruled == 0:
+            n_followed += 1
+            assert found.measured_solid.by_euler == topology.betti_at(threshold)
+        assert found.n_overruled < 0.05 * found.n_contacts
+    assert n_followed >= 1

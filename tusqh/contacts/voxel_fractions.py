@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 
 import numba
@@ -95,7 +96,7 @@ def _name(labels: list[int], names: dict[int, str], *, is_filled: bool) -> list[
     """Return the name of every label."""
     missing = sorted(set(names) - set(labels))
     named = [names.get(label, str(label)) for label in labels]
-    repeated = {name for name in named if named.count(name) > 1} if len(labels) < 4096 else set()
+    repeated = {name for name, n in Counter(named).items() if n > 1}
     problems = [
         (not labels, "no voxel with a material", "at least one label other than the void"),
         (len(labels) > MOST_LABELS, f"{len(labels)} labels", f"at most {MOST_LABELS}"),
