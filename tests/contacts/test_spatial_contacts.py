@@ -44,8 +44,8 @@ def test_random_fields():
 
 
 @pytest.mark.slow
-def test_1500_random_fields():
-    n_contacts, n_overruled = check_fields(range(100, 1600))
+def test_1700_random_fields():
+    n_contacts, n_overruled = check_fields(range(100, 1800))
     assert n_contacts > 30_000
     assert n_overruled < 0.05 * n_contacts
 
