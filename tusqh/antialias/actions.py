@@ -1,9 +1,9 @@
-"""Where the two decisions act: which cells are split, and which of their frusta are elements.
+"""Determine the cells that the two decisions split, and which of their frusta are elements.
 
-The *acting* cells are the kept ones where pinches separate, and the empty ones where they connect
+The *acting* cells are the kept cells where pinches separate, and the empty cells where they connect
 (algorithm 4.3).  Acting cells at a decided vertex or pinch edge are split.  A frustum is
-*decided* when its face touches a decided vertex, or contains a decided pinch edge, and the cell
-behind that face is on the other side: separating removes it, connecting adds it.
+*decided* if its face touches a decided vertex, or contains a decided pinch edge, and the cell
+across that face does not act: separating removes the frustum, connecting adds it.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from tusqh.grid.numbering import FACES, HEX_CORNERS
 
 @dataclass(frozen=True)
 class Action:
-    """Where one of the two decisions acts.
+    """The vertices and edges at which one of the two decisions acts.
 
     Parameters
     ----------
@@ -33,9 +33,9 @@ class Action:
     kept
         Kept cells, shape n.
     at_vertex
-        Vertices with that decision at which it changes something, shape ``n + 1``.
+        Vertices with that decision at which it changes the mesh, shape ``n + 1``.
     at_edge
-        In 3D, the pinch edges along each axis with that decision.
+        In 3D, the pinch edges with that decision, along each axis.
     """
 
     decision: int
@@ -55,14 +55,14 @@ class Action:
 
     @cached_property
     def touched(self) -> list[BoolArray]:
-        """For every face, the cells whose face touches a decided vertex, shape n each."""
+        """For every face number, the cells whose face touches a decided vertex, shape n each."""
         corners = at_corners(self.at_vertex)
         facets = TEMPLATES[self.kept.ndim].facets
         return [np.asarray(np.logical_or.reduce([corners[c] for c in f])) for f in facets]
 
     @cached_property
     def crossed(self) -> list[BoolArray]:
-        """For every face, the cells whose face contains a decided pinch edge, shape n each."""
+        """For every face number, the cells whose face has a decided pinch edge, shape n each."""
         found = []
         for face_axis, end in FACES[self.kept.ndim]:
             crossed = np.zeros(self.kept.shape, dtype=bool)
@@ -75,7 +75,7 @@ class Action:
 
     @cached_property
     def frusta(self) -> list[BoolArray]:
-        """For every face, the cells whose frustum there is an element, shape n each."""
+        """For every face number, the cells whose frustum there is an element, shape n each."""
         separates = self.decision == SEPARATE
         emitted = []
         for is_kept, touched, crossed in zip(
@@ -95,7 +95,7 @@ class Action:
 def find_actions(
     kept: BoolArray, at_vertex: NDArray[np.int8], is_freed: BoolArray
 ) -> tuple[Action, Action]:
-    """Return where the decisions separate and where they connect.
+    """Return the actions of the decisions to separate and to connect.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def find_actions(
     at_vertex
         `SEPARATE`, `NONE` or `CONNECT` for every grid vertex, shape ``n + 1``.
     is_freed
-        Vertices at which the templates act in any neighbourhood, shape ``n + 1``.
+        Vertices at which the templates act regardless of the neighbourhood, shape ``n + 1``.
 
     Returns
     -------
@@ -126,7 +126,7 @@ def find_actions(
 
 
 def _where_templates_act(kept: BoolArray, is_freed: BoolArray) -> tuple[BoolArray, BoolArray]:
-    """Return the vertices at which separating, and connecting, changes something."""
+    """Return the vertices at which separating, and those at which connecting, changes the mesh."""
     if kept.ndim == 2:
         everywhere = np.ones(is_freed.shape, dtype=bool)
         return everywhere, everywhere
@@ -136,7 +136,7 @@ def _where_templates_act(kept: BoolArray, is_freed: BoolArray) -> tuple[BoolArra
 
 
 def _decided_edges(kept: BoolArray, is_decided: BoolArray) -> list[BoolArray]:
-    """Return the pinch edges along each axis of a 3D grid with both ends decided."""
+    """Return the pinch edges along each axis of a 3D grid whose ends are both decided."""
     found = []
     for axis in range(3) if kept.ndim == 3 else ():
         lower, upper = neighbours_along(is_decided, axis)

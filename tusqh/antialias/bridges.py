@@ -1,15 +1,15 @@
-r"""Bridges that join an archipelago along edges whose sub-cells are interior.
+r"""Build bridges that join an archipelago along edges whose sub-cells are interior.
 
-Paper: Anti-aliasing, "for resolving archipelagos"; algorithm 5.  Two kinds:
+Paper: Anti-aliasing, "for resolving archipelagos"; algorithm 5.  There are two kinds of bridge:
 
-* A *path* of grid edges that runs through empty cells from one component to another; all its
-  edges, and the vertices between them, are interior (``F >= threshold``).
-* A *pinch* that was separated because its own sub-cell is exterior, although both edges around one
-  of its empty cells are interior: its cluster connects instead.
+* A *path* of grid edges runs through empty cells from one component to another; all its edges, and
+  the vertices between them, are interior (``F >= threshold``).
+* A *pinch* was separated because its own sub-cell is exterior, although its two edges beside one of
+  its empty cells are interior; now its cluster connects instead.
 
-Pinches come first, then paths from short to long.  A path needs room: the cells that it touches
-must be empty and free of other templates, and at each end it attaches to a side of a kept cell
-whose vertices are not separated.
+Pinches are joined first, then paths in order of length.  A path needs room: the cells that it
+touches must be empty and free of other templates, and at each end it attaches to a side of a kept
+cell whose vertices are not separated.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class Bridge:
     Parameters
     ----------
     vertices
-        Grid vertices from end to end, shape (m, 2).
+        Grid vertices of the path in order, shape (m, 2).
     cells
         Flat indices of a kept cell of each component that it joins, shape (2,).
     row
@@ -73,7 +73,7 @@ class Bridge:
 
 @dataclass(frozen=True)
 class _Edges:
-    """Interior grid edges with two empty cells beside them, by flat vertices and cells."""
+    """Interior grid edges between two empty cells, given by flat vertices and cells."""
 
     ends: IntArray
     beside: IntArray
@@ -89,7 +89,7 @@ def join_components(
     threshold: float,
     mode: BridgeMode,
 ) -> tuple[NDArray[np.int8], list[Bridge], pd.DataFrame]:
-    """Return pinch decisions and paths that join components of a 2D grid, and a table of both.
+    """Return pinch decisions and paths that join components of a 2D grid, and a table of bridges.
 
     Parameters
     ----------
@@ -104,8 +104,8 @@ def join_components(
     threshold
         Volume-fraction threshold, dimensionless.
     mode
-        `forest` joins only components that are still separate, so that no hole appears; `all`
-        follows every path between components that were different at the start.
+        `forest` joins only components that are still separate, so no hole appears; `all` follows
+        every path between components that were different at the start.
 
     Returns
     -------
@@ -129,7 +129,7 @@ def join_components(
 
 
 class _Joiner:
-    """The components, which of them have been joined, and the rows of the table."""
+    """The components, the record of which are already joined, and the rows of the table."""
 
     def __init__(
         self, labels: IntArray, n_components: int, grid: BackgroundGrid, *, joins_all: bool
@@ -142,7 +142,7 @@ class _Joiner:
         self.rows: list[dict[str, object]] = []
 
     def component_at_vertex(self) -> IntArray:
-        """Return the component of kept cells around every flat vertex, 0 where there are none."""
+        """Return the component of the kept cells around every flat vertex, 0 if there is none."""
         around = around_vertices(self.label[1:-1, 1:-1])
         return np.asarray(np.maximum.reduce(around).ravel(), dtype=np.int64)
 
@@ -151,7 +151,7 @@ class _Joiner:
         return a != b and (self.joins_all or not self.joined.connected(a, b))
 
     def may_join_all(self, pairs: list[tuple[int, int]]) -> bool:
-        """Return whether bridges are wanted between all these pairs, made one after the other."""
+        """Return whether bridges are wanted between all these pairs if built one after another."""
         if self.joins_all:
             return all(a != b for a, b in pairs)
         together = _disjoint_set({self.joined[label] for pair in pairs for label in pair})
@@ -169,7 +169,7 @@ class _Joiner:
 
 def _disjoint_set(items: Iterable[int]) -> DisjointSet:
     """Return the initial sets of union-find, one for each item."""
-    # Imported here, since few meshes have bridges and the import takes 0.1 s.
+    # Import here, because few meshes have bridges and the import takes 0.1 s.
     from scipy.cluster.hierarchy import DisjointSet
 
     return DisjointSet(items)
@@ -211,12 +211,12 @@ def _interior_edges(kept: BoolArray, at_vertex: NDArray[np.int8], is_interior: B
     vertex = np.arange(at_vertex.size, dtype=np.int64).reshape(at_vertex.shape)
     cell = np.arange(kept.size, dtype=np.int64).reshape(kept.shape)
     padded, is_separated = np.pad(kept, 1), at_vertex == SEPARATE
-    # A path may pass a vertex only when that is interior; it may end at any vertex of a cell.
+    # A path may pass only interior vertices, but it may end at any vertex of a kept cell.
     touches = np.logical_or.reduce(around_vertices(kept))
     usable = is_interior[::2, ::2] | touches
     ends, beside, attaches = [], [], []
     for axis in range(2):
-        # The axis comes first; edges on the border of the grid are left out.
+        # Move the axis first, and leave out edges on the border of the grid.
         interior = np.moveaxis(is_interior, axis, 0)[1::2, 2:-2:2]
         empty = ~np.moveaxis(kept, axis, 0)
         at_ends = np.moveaxis(usable, axis, 0)[:, 1:-1]
@@ -224,7 +224,7 @@ def _interior_edges(kept: BoolArray, at_vertex: NDArray[np.int8], is_interior: B
         vertices, cells = np.moveaxis(vertex, axis, 0), np.moveaxis(cell, axis, 0)
         ends.append(np.stack([vertices[:-1, 1:-1][mask], vertices[1:, 1:-1][mask]], axis=1))
         beside.append(np.stack([cells[:, :-1][mask], cells[:, 1:][mask]], axis=1))
-        # A kept cell behind an end offers its side when no vertex of it is separated.
+        # A kept cell behind an end offers its side if no vertex of the side is separated.
         behind, taken = np.moveaxis(padded, axis, 0), np.moveaxis(is_separated, axis, 0)
         free = ~taken[:, :-1] & ~taken[:, 1:]
         offers = [
@@ -269,7 +269,7 @@ def _join_paths(
 def _shortest_path(
     component_at_vertex: IntArray, ends: IntArray, may_join: Callable[[int, int], bool]
 ) -> IntArray | None:
-    """Return the flat vertices of a shortest wanted path along edges, None when there is none."""
+    """Return the flat vertices of a shortest wanted path along edges, or None."""
     nodes, compact = np.unique(ends, return_inverse=True)
     compact = compact.reshape(-1, 2)
     component = component_at_vertex[nodes]
@@ -315,7 +315,7 @@ def _report_unjoined(joiner: _Joiner, edges: _Edges) -> None:
 def _cells_at_vertices(shape: tuple[int, ...]) -> IntArray:
     """Return the flat cells around every flat vertex, shape (n_vertices, 4).
 
-    Cells outside the grid have the number ``n_cells``.
+    Cells outside the grid have the index ``n_cells``.
     """
     n_cells = int(np.prod(shape))
     from_end = np.arange(n_cells).reshape(shape) - n_cells  # 0 outside the grid.

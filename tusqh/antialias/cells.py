@@ -1,4 +1,4 @@
-"""The cells kept at a threshold, with every decision made, and the topology they must have."""
+"""The cells kept at a threshold, all decisions about them, and the topology they must have."""
 
 from __future__ import annotations
 
@@ -42,7 +42,8 @@ class CellSet:
     kept
         Kept cells, shape n.
     decisions
-        Decisions at the pinches of `kept`; their counts are from before removing and filling.
+        Decisions at the pinches of `kept`; their counts precede the removal and filling of
+        features.
     bridges
         Paths along which strips join components.
     bridge_table
@@ -64,7 +65,7 @@ class CellSet:
 
     @property
     def n_bridges(self) -> int:
-        """Number of bridges in the mesh, pinches among them."""
+        """Number of bridges in the mesh, including pinches."""
         return int((self.bridge_table["status"] == ACCEPTED).sum())
 
     @property
@@ -121,9 +122,9 @@ class CellSets:
     fractions
         Volume fractions of cells and sub-cells.
     policy
-        What to do about pinches, archipelagos and small features.
+        How to treat pinches, archipelagos and small features.
     topology
-        The topology of the fractions, where it was made before.
+        The topology of the fractions, if it has already been computed.
 
     Raises
     ------
@@ -174,8 +175,8 @@ class CellSets:
     def at(self, threshold: float) -> CellSet:
         """Return the cells at a threshold, their decisions and their predicted topology.
 
-        Pinches are decided once, on all cells; then archipelagos are joined, small components
-        removed, and small holes (in 3D voids) filled.
+        Pinches are decided once, on all cells; then archipelagos are joined, small components are
+        removed, and small holes (in 3D voids) are filled.
 
         Parameters
         ----------
@@ -238,13 +239,13 @@ class CellSets:
         return replace(state, kept=kept, features=(*state.features, table))
 
     def _fill_holes(self, state: _State, threshold: float) -> _State:
-        """Return the cells with the holes (in 3D voids) filled that do not meet the criteria."""
+        """Return the cells after filling the holes (in 3D voids) that do not meet the criteria."""
         in_plane = state.kept.ndim == 2
         criteria = self.policy.holes if in_plane else self.policy.voids
         if criteria.keeps_all:
             return state
         at_vertex = _at_pinches_of(state.kept, state.at_vertex)
-        # One more layer of empty cells joins everything outside into one component, the first.
+        # A further layer of empty cells joins everything outside into one component, the first.
         labels, _ = label_components(~np.pad(state.kept, 1), np.pad(at_vertex == SEPARATE, 1))
         labels[labels == labels.flat[0]] = 0
         is_small, table = find_small_features(
@@ -297,7 +298,7 @@ def _label_with_bridges(kept: BoolArray, connects: BoolArray, bridges: list[Brid
     pairs = labels.ravel()[np.stack([bridge.cells for bridge in bridges])]
     graph = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(n_components + 1,) * 2)
     _, joined = connected_components(graph, directed=False)
-    return np.asarray(joined[labels], dtype=np.int64)  # Label 0 stays alone and first.
+    return np.asarray(joined[labels], dtype=np.int64)  # Label 0 stays separate and first.
 
 
 def _at_pinches_of(kept: BoolArray, at_vertex: NDArray[np.int8]) -> NDArray[np.int8]:

@@ -50,7 +50,7 @@ class Decisions:
 def label_clusters(is_pinch: BoolArray) -> tuple[IntArray, int]:
     """Return the cluster of every pinch vertex and the number of clusters.
 
-    Two pinches are adjacent when they are ends of one grid edge in 2D, or corners of one grid
+    Two pinches are adjacent if they are ends of one grid edge in 2D, or corners of one grid
     face in 3D.
 
     Parameters
@@ -83,10 +83,10 @@ def decide_by_fraction(
     threshold: float,
     mixed_pinches: MixedPinches = "separate",
 ) -> Decisions:
-    """Return the decision of every cluster: connect interior pinches, separate exterior ones.
+    """Decide every cluster: connect interior pinches, separate exterior ones.
 
-    A pinch vertex, and in 3D a pinch edge, votes to connect when its sub-cell volume fraction is
-    at least the threshold.  A cluster that agrees follows its vote; mixed clusters follow
+    A pinch vertex, and in 3D a pinch edge, votes to connect if its sub-cell volume fraction is at
+    least the threshold.  A unanimous cluster follows its votes; mixed clusters follow
     `mixed_pinches`; with ``"majority"``, a tie separates.
 
     Parameters
@@ -116,14 +116,14 @@ def decide_by_vote(
     *,
     mixed_pinches: MixedPinches = "separate",
 ) -> Decisions:
-    """Return the decision of every cluster, given each pinch's vote.
+    """Decide every cluster from the votes of its pinches.
 
     Parameters
     ----------
     is_pinch, votes_connect
         Pinch vertices and votes to connect, shape ``n + 1`` each.
     edges
-        In 3D, for every axis, pinch edges along it and their votes.
+        In 3D, the pinch edges along every axis and their votes.
     mixed_pinches
         What to do with clusters whose pinches disagree.
 

@@ -1,9 +1,9 @@
-"""Finds small components to remove and small holes to fill, after the pinch decisions.
+"""Find small components to remove and small holes to fill, after the pinch decisions.
 
 Each change is recorded as a row of a table.  Removing a component and filling a hole (in 3D a
 void) are the same operation on the cells and on their complement (paper: Anti-aliasing, the end of
-the paragraph on archipelagos).  Neither makes a new pinch: around a vertex that is not a pinch all
-kept cells are joined, and all empty ones, so that they are kept or removed together.
+the paragraph on archipelagos).  Neither creates a new pinch: around a vertex that is not a pinch
+all kept cells are joined, and so are all empty cells, so they are kept or removed together.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from tusqh.grid import BoolArray, FloatArray, IntArray, doubled
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.policy import Criteria
 
-#: Words for the features.
+#: Names of the features.
 COMPONENT, HOLE, VOID = "component", "hole", "void"
 
 #: Columns of the table of removed components and filled holes, before the coordinates.
@@ -45,14 +45,15 @@ def find_small_features(
     Parameters
     ----------
     labels
-        Feature that every cell belongs to, from 1, gaps allowed; 0 elsewhere, shape n.
+        Feature to which every cell belongs, numbered from 1, possibly with gaps; 0 elsewhere,
+        shape n.
     criteria
-        What a feature must meet to stay.
+        The criteria that a feature must meet to stay.
     fractions
         Volume fractions, for the record.
     persistence
-        Persistence of the class that each cell creates (or, for holes, destroys), shape n; a
-        feature lives as long as the longest-lived of its cells' classes.
+        Persistence of the class that each cell creates (or, for holes, destroys), shape n; the
+        persistence of a feature is the largest among its cells.
     threshold
         Volume-fraction threshold, for counting interior sub-cells.
     feature
@@ -61,11 +62,11 @@ def find_small_features(
     Returns
     -------
     is_removed
-        Their cells, shape n.
+        The cells of these features, shape n.
     table
-        One row per feature found: what it is, cells, volume (model units**dim), persistence,
-        smallest and largest cell fraction, interior edges and vertices among its cells'
-        sub-cells, and its centre (model units).
+        One row per feature found: its kind, cells, volume (model units**dim), persistence,
+        smallest and largest cell fraction, the number of interior edges and vertices among its
+        cells' sub-cells, and its centre (model units).
     """
     n_cells = np.bincount(labels.ravel())
     grid = fractions.grid

@@ -1,4 +1,4 @@
-"""From kept cells and decisions to elements, in both dimensions."""
+"""Turn kept cells and decisions into elements, in both dimensions."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def emit_mesh(
     bridges
         In 2D, paths of grid vertices, shape (m, 2) each, along which strips join components.
     is_freed
-        In 3D, vertices at which the templates act in any neighbourhood, shape ``n + 1``.
+        In 3D, vertices at which the templates act regardless of the neighbourhood, shape ``n + 1``.
     name
         The model, for messages.
 
@@ -60,8 +60,8 @@ def emit_mesh(
     mesh
         Quads, counter-clockwise, or hexes, in VTK order.
     grid_vertex
-        For every point of the mesh its flat grid vertex, -1 for the other points of templates,
-        shape (n_points,).
+        Flat grid vertex of every point of the mesh, -1 for the other points of templates, shape
+        (n_points,).
 
     References
     ----------
@@ -102,7 +102,7 @@ def emit_mesh(
 
 
 def _find_attached(kept: BoolArray, separate: Action, strips: Sequence[Strip]) -> list[BoolArray]:
-    """Return for every face the cells whose frustum attaches a strip to a kept cell."""
+    """Return, for every face number, the cells whose frustum attaches a strip to a kept cell."""
     if not strips:
         return [np.zeros(kept.shape, dtype=bool) for _ in across_faces(kept)]
     wanted = find_attached_sides(strips, kept.shape)

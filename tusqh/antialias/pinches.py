@@ -1,7 +1,7 @@
-"""Pinches: grid vertices at which kept cells, or empty ones, meet without sharing a face.
+"""Find pinches: grid vertices at which kept cells, or empty ones, meet without sharing a face.
 
-Paper: Anti-aliasing.  Tables say which of the ``2**(2**dim)`` neighbourhoods of a vertex are
-pinches; they are computed once from the definition.
+Paper: Anti-aliasing.  Tables computed once from the definition state which of the ``2**(2**dim)``
+neighbourhoods of a vertex are pinches.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from tusqh.grid.neighbourhoods import around_edges, around_vertices, is_diagonal
 
 
 def neighbourhood_codes(kept: BoolArray) -> IntArray:
-    """Return, for every grid vertex, which of its cells are kept, as the bits of a number.
+    """Return a number for every grid vertex whose bits state which of its cells are kept.
 
     Parameters
     ----------
@@ -26,8 +26,8 @@ def neighbourhood_codes(kept: BoolArray) -> IntArray:
     Returns
     -------
     codes
-        Shape ``n + 1``.  Bit ``b`` belongs to the cell on the upper side along axis ``k`` when
-        bit ``k`` of ``b`` is set: in 2D bits 0, 1, 2, 3 are lower left, lower right, upper
+        Shape ``n + 1``.  Bit ``b`` belongs to the cell that lies on the upper side along axis ``k``
+        if bit ``k`` of ``b`` is set: in 2D bits 0, 1, 2, 3 are lower left, lower right, upper
         left, upper right.
 
     Examples
@@ -47,9 +47,9 @@ def neighbourhood_codes(kept: BoolArray) -> IntArray:
 def pinch_table(dim: int) -> BoolArray:
     """Return, for every neighbourhood code, whether its vertex is a pinch.
 
-    A vertex is a pinch when its kept cells, or its empty cells, are not connected through
-    shared faces within the neighbourhood (algorithm 4.1).  In 2D these are the two
-    diagonals.
+    A vertex is a pinch if its kept cells, or its empty cells, are not connected through shared
+    faces within the neighbourhood (algorithm 4.1).  In 2D the two diagonal neighbourhoods are
+    pinches.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def pinch_table(dim: int) -> BoolArray:
 
 @functools.cache
 def template_tables() -> tuple[BoolArray, BoolArray]:
-    """Return, for every 3D code, whether separating and whether connecting acts on the vertex.
+    """Return, for every 3D code, whether separating and whether connecting act on the vertex.
 
     At the other vertices the templates at pinch edges suffice (algorithm 4.3).
 
@@ -95,7 +95,7 @@ def template_tables() -> tuple[BoolArray, BoolArray]:
 
 
 def _component_table(dim: int, reach: int) -> IntArray:
-    """Count, for every code, the components of kept cells that differ along `reach` axes at most.
+    """Count the components of kept cells of every code; joined cells differ along <= `reach` axes.
 
     Reversed, the table counts the components of the empty cells, since the code of the complement
     is the largest code minus the code.
@@ -109,7 +109,7 @@ def _component_table(dim: int, reach: int) -> IntArray:
 
 
 def _n_components(cells: list[int], reach: int) -> int:
-    """Count the components of cells of a neighbourhood that differ along `reach` axes at most."""
+    """Count the components of cells; cells that differ along at most `reach` axes are joined."""
     parent = {c: c for c in cells}
 
     def root(c: int) -> int:

@@ -1,4 +1,4 @@
-"""From kept cells and decisions to a manifold mesh; bridges are accepted by measuring it."""
+"""Turn kept cells and decisions into a manifold mesh, and accept bridges by measuring it."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ class Resolved:
     mesh
         The mesh.
     cells
-        The cells it was made of, without the bridges that were rejected.
+        The cells of which it was made, without the rejected bridges.
     closing_rounds
-        Rounds that freed vertices, see `resolve`.
+        Number of rounds that freed vertices, see `resolve`.
     """
 
     mesh: VolumeMesh
@@ -46,11 +46,11 @@ class Resolved:
 
 
 def build_mesh(cells: CellSet, grid: BackgroundGrid, *, name: str = "mesh") -> Resolved:
-    """Return the manifold mesh of a cell set, with every bridge that it accepts.
+    """Return the manifold mesh of a cell set, with all acceptable bridges.
 
-    Bridges are accepted when the mesh with them, measured, has fewer components than the mesh
-    without them by the number of those that join components, and further holes by the number of
-    the others.  All are tried together; if the measurement disagrees, they are tried one by one.
+    Bridges are accepted if, in the measured mesh, each of them either joins two components or adds
+    a hole, as predicted.  All are tried together; if the measurement disagrees, they are tried one
+    by one.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def build_mesh(cells: CellSet, grid: BackgroundGrid, *, name: str = "mesh") -> R
     Raises
     ------
     MeshError
-        As `resolve`, for the mesh without bridges.
+        As in `resolve`, for the mesh without bridges.
     """
     mesh, n_rounds = resolve(cells.kept, cells.decisions, grid, name=name)
     if not cells.bridges:
@@ -94,7 +94,7 @@ def _accept(
     mesh: VolumeMesh,
     grid: BackgroundGrid,
 ) -> Resolved | None:
-    """Return the mesh with more bridges when its Betti numbers changed as they should."""
+    """Return the mesh with further bridges if its Betti numbers changed as predicted."""
     try:
         joined, n_rounds = resolve(
             after.kept,
@@ -123,7 +123,7 @@ def resolve(
 ) -> tuple[VolumeMesh, int]:
     """Return the manifold mesh of kept cells and the number of rounds that freed vertices.
 
-    Grid vertices squeezed between two templates are freed: each takes the decision of the nearest
+    Grid vertices squeezed between two templates are freed: each takes the decision of its nearest
     pinch (algorithm 4.4).
 
     Parameters
@@ -131,7 +131,7 @@ def resolve(
     kept
         Kept cells, shape n.
     decisions
-        What to do at every pinch of them.
+        The decisions at their pinches.
     grid
         The background grid, of shape n.
     bridges
@@ -149,7 +149,7 @@ def resolve(
     mesh
         The mesh.
     n_rounds
-        Rounds that free vertices.
+        Number of rounds that freed vertices.
 
     Examples
     --------
@@ -192,7 +192,7 @@ def resolve(
 def _find_bad_points(mesh: VolumeMesh, grid_vertex: IntArray, is_pinch: BoolArray) -> IntArray:
     """Return the boundary points at which the boundary is not a manifold.
 
-    Only pinches and points of templates can be, so only the elements around them are examined.
+    Only pinches and points of templates can be such points, so only their elements are examined.
     """
     suspect = np.zeros(len(mesh.points), dtype=bool)
     suspect[mesh.cells[mesh.kind != GRID_CELL].ravel()] = True
@@ -204,14 +204,14 @@ def _find_bad_points(mesh: VolumeMesh, grid_vertex: IntArray, is_pinch: BoolArra
 
 
 def describe_mesh(resolved: Resolved, fractions: VolumeFractions) -> dict[str, Any]:
-    """Return the facts about a mesh that tables quote, as plain numbers for JSON.
+    """Return the facts about a mesh for tables, as plain numbers for JSON.
 
     Parameters
     ----------
     resolved
         The mesh and its cells.
     fractions
-        The volume fractions that it was made from.
+        The volume fractions from which it was made.
     """
     mesh, cells, grid = resolved.mesh, resolved.cells, fractions.grid
     n_removed = cells.n_removed

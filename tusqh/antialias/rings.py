@@ -1,11 +1,11 @@
-r"""The 2-6 template: between two split cells of a 3D grid (algorithm 4.3).
+r"""The 2-6 template between two split cells of a 3D grid (algorithm 4.3).
 
-Where two split cells of the acting side share a face that touches a decided vertex, their two
-frusta give way to two centres between the inner cells and a small quad in the face, and four rings
-around it, one per edge of the face.  Separating keeps the centres and the rings away from decided
-vertices; connecting adds the rings at decided vertices.
+If two split acting cells share a face that touches a decided vertex, their two frusta are replaced
+by two centres, between the inner cells and a small quad in the face, and by four rings around that
+quad, one per edge of the face.  Separating keeps the centres and the rings without a decided
+vertex; connecting adds the rings with a decided vertex.
 
-Section through a face between two split cells, ``f`` its edges, ``s`` the small quad::
+This section cuts a face between two split cells; ``f`` are its edges, ``s`` is the small quad::
 
     +-----------f-----------+
     | \  ring  / \  ring  / |
@@ -27,8 +27,8 @@ from tusqh.grid.arrays import IntArray
 from tusqh.grid.neighbourhoods import neighbours_along
 from tusqh.grid.numbering import FACES, HEX_CORNERS
 
-#: Distance of the small quad from the edges of its face, in cells.  On cubic cells rings have a
-#: scaled Jacobian of at least 2/3, centres one of 0.9.
+#: Distance of the small quad from the edges of its face, in cells.  On cubic cells the scaled
+#: Jacobian of rings is at least 2/3, that of centres 0.9.
 _QUAD_INSET = 0.35
 
 
@@ -38,9 +38,9 @@ def emit_rings(emitter: Emitter, action: Action, kind: int) -> None:
     Parameters
     ----------
     emitter
-        Receives points and elements; the acting cells that are split have inner cells.
+        The emitter to which points and elements are added; split acting cells have inner cells.
     action
-        Where one of the decisions acts.
+        The action of one of the decisions.
     kind
         One of the kinds of `tusqh.meshes.volume_mesh`.
     """
@@ -66,7 +66,7 @@ def emit_rings(emitter: Emitter, action: Action, kind: int) -> None:
 
 
 def _find_pairs(action: Action, axis: int, face: int) -> tuple[IntArray, IntArray]:
-    """Return the flat cells on both sides of the faces across an axis that have the template."""
+    """Return the flat cells on both sides of the faces, normal to an axis, with the template."""
     numbers = np.arange(action.kept.size, dtype=np.int64).reshape(action.kept.shape)
     lower, upper = neighbours_along(numbers, axis)
     acts_below, acts_above = neighbours_along(action.acting, axis)

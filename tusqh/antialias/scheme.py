@@ -6,20 +6,20 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-#: Room for rounding in coordinates of 1e7 times the cell size.
+#: Allowance for rounding in coordinates of up to 1e7 times the cell size.
 _ROUNDING = 1e-8
 
 
 @dataclass(frozen=True)
 class Scheme:
-    """A way to make elements, and how bad its worst element is.
+    """A meshing scheme and the quality bound of its worst element.
 
     Parameters
     ----------
     name
-        What messages call it.
+        Name of the scheme in messages.
     bounds
-        Smallest scaled Jacobian that it can make, by dimension.
+        Smallest scaled Jacobian that it can produce, by dimension.
     """
 
     name: str
@@ -31,7 +31,7 @@ class Scheme:
         Parameters
         ----------
         scaled_jacobian
-            The smallest one of a mesh, dimensionless; NaN is not allowed.
+            Smallest scaled Jacobian of a mesh, dimensionless; NaN is not within the bound.
         dim
             Dimension of the mesh.
 
@@ -43,6 +43,6 @@ class Scheme:
         return scaled_jacobian >= self.bounds[dim] - _ROUNDING
 
 
-#: The trapezoids of the 1-5 template on square cells, the frusta of the 1-7 template on cubic
-#: ones (paper: Anti-aliasing).
+#: The bounds come from the trapezoids of the 1-5 template on square cells and the frusta of the
+#: 1-7 template on cubic cells (paper: Anti-aliasing).
 PINCH_TEMPLATES = Scheme("pinch templates", {2: math.sqrt(2) / 2, 3: 1 / math.sqrt(3)})

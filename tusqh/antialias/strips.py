@@ -1,6 +1,6 @@
-r"""Strips along the paths of bridges: two quads per edge, half a cell wide.
+r"""Emit strips along the paths of bridges: two quads per edge, half a cell wide.
 
-At turns a strip has a mitre; at its ends it widens to the corners of inner cells, where the
+A strip is mitred at turns; at its ends it widens to the corners of inner cells, where the
 trapezoids that attach it begin (algorithm 5)::
 
     kept |  \___________/  | kept      v: ends of the path
@@ -21,7 +21,7 @@ from tusqh.grid.arrays import BoolArray, IntArray
 from tusqh.grid.numbering import FACES, QUAD_CORNERS
 from tusqh.meshes.volume_mesh import BRIDGE
 
-#: Directions of the points beside a path that goes straight on, in units of `INSET`.
+#: Directions of the points beside a straight path, in units of `INSET`.
 _STUBS: IntArray = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]], dtype=np.int64)
 
 
@@ -51,7 +51,7 @@ class Strip:
         Parameters
         ----------
         path
-            Grid vertices, each a neighbour of the one before, shape (m, 2).
+            Grid vertices, each adjacent to the previous one, shape (m, 2).
         """
         steps = np.diff(path, axis=0)
         left = np.stack([-steps[:, 1], steps[:, 0]], axis=1)
@@ -84,9 +84,9 @@ def find_cells_with_corners(strips: Sequence[Strip], shape: tuple[int, ...]) -> 
 
 
 def find_attached_sides(strips: Sequence[Strip], shape: tuple[int, ...]) -> BoolArray:
-    """Return for every side of a cell the cells with a trapezoid that attaches a strip there.
+    """Return, for every side number, the cells with a trapezoid there that attaches a strip.
 
-    Shape (4, *n), sides in the order of `tusqh.grid.numbering.FACES`.
+    The shape is (4, *n), with sides in the order of `tusqh.grid.numbering.FACES`.
 
     Parameters
     ----------
@@ -109,12 +109,12 @@ def find_attached_sides(strips: Sequence[Strip], shape: tuple[int, ...]) -> Bool
 
 
 def emit_strips(emitter: Emitter, strips: Sequence[Strip]) -> None:
-    """Add the quads of strips to an emitter whose cells have the inner corners they need.
+    """Add the quads of strips to an emitter whose cells have the required inner corners.
 
     Parameters
     ----------
     emitter
-        Receives points and elements.
+        The emitter to which points and elements are added.
     strips
         Strips along paths.
     """
@@ -140,7 +140,7 @@ def emit_strips(emitter: Emitter, strips: Sequence[Strip]) -> None:
 
 
 def _stubs(emitter: Emitter, path: IntArray, side: IntArray) -> tuple[IntArray, BoolArray]:
-    """Return codes, 4 vertex + direction, of the points along one axis, and where they are."""
+    """Return the codes (4 vertex + direction) of stub points, and a mask of their vertices."""
     is_stub = (side == 0).any(axis=1)
     vertex = np.ravel_multi_index(tuple(path[is_stub].T), emitter.vertex_shape)
     direction = (_STUBS[None] == side[is_stub][:, None]).all(axis=2).argmax(axis=1)
@@ -150,7 +150,7 @@ def _stubs(emitter: Emitter, path: IntArray, side: IntArray) -> tuple[IntArray, 
 def _points(
     emitter: Emitter, path: IntArray, side: IntArray, codes: IntArray, first: IntArray
 ) -> IntArray:
-    """Return the points a quarter of a cell from vertices, along one axis or along both."""
+    """Return the point numbers a quarter of a cell from vertices, along one axis or both."""
     points = np.empty(len(path), dtype=np.int64)
     stubs, is_stub = _stubs(emitter, path, side)
     points[is_stub] = np.searchsorted(codes, stubs)

@@ -1,10 +1,10 @@
-"""Contacts between materials, each decided by its own vote, in one conforming mesh.
+"""Mesh several materials in one conforming mesh; a vote decides each contact between them.
 
 `mesh_materials` meshes the fractions of several materials or an image of labels, in 2D and 3D.
-Modules: `material_fractions`, `voxel_fractions` (what the materials are), `votes` (who wins a
-place), `planar` (balls in 2D), `octants`, `stick_field`, `sticks`, `spatial_votes`, `spatial`
-(sticks in 3D), `templates`, `emitter`, `emit_spatial` (elements), `predict` (Betti numbers before
-meshing), `mesh` (all of it).
+Modules: `material_fractions` and `voxel_fractions` (fractions of the materials), `votes` (which
+material wins a place), `planar` (balls in 2D), `octants`, `stick_field`, `sticks`, `spatial_votes`
+and `spatial` (sticks in 3D), `templates`, `emitter` and `emit_spatial` (elements), `predict` (Betti
+numbers before meshing), `mesh` (the whole method).
 """
 
 from tusqh.contacts.material_fractions import MaterialFractions

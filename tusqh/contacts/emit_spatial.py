@@ -1,18 +1,18 @@
-r"""The hexes of cells and sticks: the 1-7 template in cells, the 2-6 template in their faces.
+r"""Emit the hexes of cells and sticks: the 1-7 template in cells, the 2-6 template in faces.
 
-Section through a refined face between two cells, ``f`` its edges, ``s`` the small quad in it::
+This section cuts a refined face between two cells; ``f`` are its edges, ``s`` is the small quad::
 
     +-----------f-----------+
     | \  ring  / \  ring  / |      Inner cells, centres (ctr) and frusta have the material of
-    |  +------+   +------+  |      their cell, a ring that of the stick along its edge.
+    |  +------+   +------+  |      their cell; a ring has that of the stick along its edge.
     |  |inner |ctr|inner |  |
     |  +------s---s------+  |
     | /        \ /        \ |
     +-----------f-----------+
 
-A face whose four rings all have the material of one of its cells is left plain, both frusta in that
-material: the same bodies meet, with four hexes fewer.  A cell of one material with six plain faces
-stays whole.
+A face whose four rings all have the material of one of its cells stays plain, and both frusta get
+that material: the same bodies meet, with four hexes fewer.  A cell of one material with six plain
+faces stays whole.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ from tusqh.grid.numbering import FACES
 from tusqh.meshes.facets import HEX_FACETS
 from tusqh.meshes.volume_mesh import CONNECTING, GRID_CELL, INNER_CELL, SEPARATING
 
-#: Distance of the small quad from the edges of its face, in cells.  On cubic cells rings have a
-#: scaled Jacobian of at least 2/3, centres one of 0.9.
+#: Distance of the small quad from the edges of its face, in cells.  On cubic cells the scaled
+#: Jacobian of rings is at least 2/3, that of centres 0.9.
 _QUAD_INSET = 0.35
 
 
 @dataclass(frozen=True)
 class _Faces:
-    """The faces across an axis that a marked vertex touches.
+    """The faces normal to an axis that a marked vertex touches.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class _Faces:
         Materials of the four rings, in the order of the corners of the lower cell's face,
         shape (f, 4).
     plain
-        Material of both frusta where the face stays plain, -1 where it is refined, shape (f,).
+        Material of both frusta if the face stays plain, -1 if it is refined, shape (f,).
     """
 
     lower: IntArray
@@ -57,7 +57,7 @@ class _Faces:
 
 
 def emit_spatial(decision: SpatialDecision, grid: BackgroundGrid, name: str) -> Emitted:
-    """Return the hexes of all materials, the void among them, without the outermost layer.
+    """Return the hexes of all materials including the void, without the outermost layer.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def emit_spatial(decision: SpatialDecision, grid: BackgroundGrid, name: str) -> 
     labels = decision.labels
     flat = labels.ravel()
     faces = [_find_faces(decision.field, axis, grid) for axis in range(3)]
-    # Material of the frustum at every face of every cell, -1 where there is none.
+    # Material of the frustum at every face of every cell, -1 if there is none.
     frusta = np.stack([flat] * 6)
     for axis, found in enumerate(faces):
         frusta[2 * axis + 1, found.lower] = found.plain
@@ -95,7 +95,7 @@ def emit_spatial(decision: SpatialDecision, grid: BackgroundGrid, name: str) -> 
 
 
 def _find_faces(field: Field, axis: int, grid: BackgroundGrid) -> _Faces:
-    """Return the faces across an axis with a marked corner, and what is in them."""
+    """Return the faces normal to an axis with a marked corner, and their materials."""
     numbers, below, above, sticks, has = face_sticks(field, axis)
     single = np.where(field.sides[axis, numbers] == 1, above, below)
     at_edges = np.where(has, sticks, single[:, None])
@@ -113,7 +113,7 @@ def _find_faces(field: Field, axis: int, grid: BackgroundGrid) -> _Faces:
 
 
 def _ring_order(axis: int) -> list[int]:
-    """Return for every ring of a face the column of its edge in `face_sticks`."""
+    """Return the column in `face_sticks` of the edge of every ring of a face."""
     first, second = (axis + 1) % 3, (axis + 2) % 3
     corners = HEX_CORNERS[_upper_face(axis)]
     order = []
@@ -124,12 +124,12 @@ def _ring_order(axis: int) -> list[int]:
 
 
 def _upper_face(axis: int) -> IntArray:
-    """Return the corners of the upper face of a cell across an axis."""
+    """Return the corners of the upper face of a cell that is normal to an axis."""
     return np.asarray(HEX_FACETS[FACES[3].index((axis, 1))])
 
 
 def _emit_refined(emitter: Emitter, axis: int, faces: _Faces, flat: Labels) -> None:
-    """Add the centres and rings of the refined faces across an axis."""
+    """Add the centres and rings of the refined faces normal to an axis."""
     is_refined = faces.plain < 0
     lower, upper, rings = faces.lower[is_refined], faces.upper[is_refined], faces.rings[is_refined]
     local = _upper_face(axis)

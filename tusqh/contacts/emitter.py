@@ -1,4 +1,4 @@
-"""The emitter: numbers the points of templates, collects the elements, and makes the mesh."""
+"""The emitter, which numbers the points of templates, collects elements, and makes the mesh."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from tusqh.meshes.volume_mesh import VolumeMesh
 
 
 class Emitted(NamedTuple):
-    """A mesh and what is known about its points and elements.
+    """A mesh with the grid vertices of its points and the materials of its elements.
 
     Parameters
     ----------
     mesh
         The mesh.
     grid_vertex
-        For every point of the mesh its flat grid vertex, -1 for other points, shape (n,).
+        Flat grid vertex of every point of the mesh, -1 for other points, shape (n,).
     material
         Material of every element, shape (m,).
     """
@@ -33,10 +33,10 @@ class Emitted(NamedTuple):
 
 
 class Emitter:
-    """The points numbered and the elements collected so far.
+    """A collector of numbered points and elements.
 
-    Points are numbered in three blocks: all grid vertices, the corners of the inner cells of the
-    cells that have one, and points added with `add_points`.  `finish` leaves out unused ones.
+    Points are numbered in three blocks: all grid vertices, the corners of all inner cells, and the
+    points added with `add_points`.  `finish` leaves out unused points.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class Emitter:
         return np.asarray(first[:, None] + np.arange(n_corners), dtype=np.int64)
 
     def add_points(self, positions: FloatArray) -> IntArray:
-        """Return the numbers of new points at positions in cells from the grid's lowest corner.
+        """Add points at given positions and return their numbers.
 
         Parameters
         ----------
@@ -118,13 +118,13 @@ class Emitter:
         Parameters
         ----------
         elements
-            Numbers of their points, in VTK order, shape (m, 2**dim).
+            Numbers of the elements' points, in VTK order, shape (m, 2**dim).
         owners
-            Flat cells in which they lie, shape (m,).
+            Flat cells in which the elements lie, shape (m,).
         kind
-            One of the kinds of `tusqh.meshes.volume_mesh` for all of them, or one for each.
+            One of the kinds of `tusqh.meshes.volume_mesh`, for all of them or for each.
         materials
-            The material of all of them, or of each.
+            The material, for all of them or for each.
         """
         self._elements.append(elements)
         self._owners.append(owners)

@@ -1,8 +1,8 @@
-"""Volume fractions of several materials, with the few materials that each place holds.
+"""Volume fractions of several materials, stored sparsely for each place.
 
-A place of the doubled grid keeps the materials whose fraction there is not 0, in ascending order:
-memory grows with the places, not with the materials.  Places that decide nothing (faces in 3D,
-edges in 2D) stay empty.
+A place of the doubled grid keeps the materials whose fraction there is not 0, in ascending order,
+so memory grows with the number of places, not of materials.  Places that decide nothing (faces in
+3D, edges in 2D) stay empty.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from tusqh.grid import BackgroundGrid, IntArray, doubled
 from tusqh.sampling.doubled_grid import RESOLUTION, Multiples
 from tusqh.sampling.fractions import VolumeFractions
 
-#: Multiple of a full cell.
+#: Fraction of a full cell, in multiples of `RESOLUTION`.
 FULL = round(1 / RESOLUTION)
 
-#: What the outside of all materials is called.
+#: Name of the region outside all materials.
 VOID = "void"
 
 
@@ -35,7 +35,7 @@ class MaterialFractions:
     grid
         The background grid, of shape n.
     names
-        The materials; where two are equally good, the earlier one wins.  The last one is the void,
+        The materials; if two have equal scores, the earlier one wins.  The last one is the void,
         which also fills everything outside the grid.
     start
         Place ``p`` of the doubled grid (flat) has the entries ``start[p] <= i < start[p + 1]``.
@@ -51,14 +51,14 @@ class MaterialFractions:
 
     @property
     def void(self) -> int:
-        """Number of the void."""
+        """Index of the void in `names`."""
         return len(self.names) - 1
 
     @classmethod
     def from_multiples(
         cls, grid: BackgroundGrid, names: Sequence[str], multiples: Sequence[Multiples]
     ) -> MaterialFractions:
-        """Return the fractions of materials given one by one; the void has what remains.
+        """Return the fractions of materials given one by one; the remainder is void.
 
         Parameters
         ----------
@@ -101,7 +101,7 @@ class MaterialFractions:
         fractions
             Volume fractions of the material.
         name
-            What the material is called.
+            Name of the material.
 
         Examples
         --------
@@ -114,7 +114,7 @@ class MaterialFractions:
         return cls.from_multiples(fractions.grid, [name], [fractions.multiples])
 
     def label_cells(self, thresholds: IntArray) -> NDArray[np.int32]:
-        """Return the material of every cell: the best of its fraction over its threshold.
+        """Return the material of every cell: the one with the largest fraction over threshold.
 
         Parameters
         ----------
@@ -124,7 +124,7 @@ class MaterialFractions:
         Returns
         -------
         labels
-            Numbers of materials, shape n; the void where a cell has none.
+            Indices of materials, shape n; the void for a cell without materials.
         """
         shape = tuple(2 * n + 1 for n in self.grid.shape)
         places = np.arange(np.prod(shape), dtype=np.int64).reshape(shape)
@@ -146,7 +146,7 @@ class MaterialFractions:
         Returns
         -------
         multiples
-            Shape (r, c), int64; 0 for materials that are not there.
+            Shape (r, c), int64; 0 for materials that are absent.
         """
         entries = (self.start, self.material, self.multiple)
         return np.asarray(_look_up(places, labels, entries))
@@ -165,7 +165,7 @@ class MaterialFractions:
 
 
 def _require_at_most_one(rest: IntArray) -> None:
-    """Raise an error where the fractions of a cell add up to more than 1, up to rounding."""
+    """Raise an error if the fractions of a cell add up to more than 1, up to rounding."""
     n_over = int((rest < -64).sum())
     if n_over:
         worst = np.unravel_index(int(rest.argmin()), rest.shape)
@@ -179,14 +179,14 @@ def _require_at_most_one(rest: IntArray) -> None:
 
 
 def _is_deciding(shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """Return the flat places that decide something: cells, vertices, and in 3D edges."""
+    """Return which flat places are used in decisions: cells, vertices, and in 3D edges."""
     dimensions = doubled.place_dimensions(shape).ravel()
     return np.asarray(dimensions != len(shape) - 1)
 
 
 @numba.njit(cache=True)
 def _beats(f, k, g, j, thresholds):  # type: ignore[no-untyped-def]
-    """Return whether material k with the multiple f is better than j with the multiple g."""
+    """Return whether material k with multiple f scores higher than j with multiple g."""
     left, right = f, g
     if f > 0 and g > 0:
         left, right = f * thresholds[j], g * thresholds[k]

@@ -1,4 +1,4 @@
-"""One mesh of several materials, each of them a manifold with known Betti numbers."""
+"""Make one mesh of several materials, each a manifold with predicted Betti numbers."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ class Interface:
     first, second
         The materials; ``second`` is the void on the boundary of the mesh.
     facets
-        Corners of the facets, normals from first to second, shape (r, 2**(dim - 1)).
+        Corners of the facets, with normals from first to second, shape (r, 2**(dim - 1)).
     elements
-        Their elements in the first material, shape (r,).
+        The element of the first material at each facet, shape (r,).
     """
 
     first: str
@@ -64,14 +64,14 @@ class MaterialMesh:
     material
         Number of the material of every element, shape (m,).
     predicted
-        Betti numbers of every material, predicted before meshing, the void among them; the
-        void fills the outside of the grid.
+        Betti numbers of every material including the void, predicted before meshing; the void
+        fills the outside of the grid.
     predicted_solid
-        Those of all materials together without the void.
+        Betti numbers of all materials together without the void.
     n_contacts
-        Pinched vertices and edges: each has one vote.
+        Number of pinched vertices and edges, each of which has one vote.
     n_overruled
-        Votes that the mesh does not follow.
+        Number of votes that the mesh does not follow.
     """
 
     mesh: VolumeMesh
@@ -121,7 +121,7 @@ class MaterialMesh:
         """Whether every material and the solid are sound and have the predicted Betti numbers."""
         pairs = [(m, self.predicted[name]) for name, m in self.measured.items()]
         pairs.append((self.measured_solid, self.predicted_solid))
-        # All elements are checked once; of each material what depends on which elements it has.
+        # Check all elements once, and for each material only what depends on its set of elements.
         return self.mesh.measurement.is_sound and all(
             len(find_non_manifold_points(measured.mesh.facets)) == 0
             and measured.has_topology(predicted)
@@ -130,7 +130,7 @@ class MaterialMesh:
 
     @cached_property
     def interfaces(self) -> dict[tuple[str, str], Interface]:
-        """The facets between every two materials, those of the void among them."""
+        """The facets between every two materials, including the void."""
         return _find_interfaces(self)
 
 
@@ -141,30 +141,30 @@ def mesh_materials(
     with_void: bool = False,
     name: str = "mesh",
 ) -> MaterialMesh:
-    """Return the mesh of several materials, every contact decided by its own vote.
+    """Return the mesh of several materials; a vote decides every contact.
 
-    A cell takes the material with the largest fraction over threshold; so does every pinched edge
-    and vertex among the materials of its cells.
+    A cell takes the material with the largest ratio of fraction to threshold, and so does every
+    pinched edge and vertex, among the materials of its cells.
 
     Parameters
     ----------
     source
         Fractions of all materials on a background grid, or an image of labels whose voxels are the
-        cells; `tusqh.contacts.fractions_of_labels` takes further options.
+        cells; `tusqh.contacts.fractions_of_labels` has further options.
     thresholds
         Thresholds of materials, above 0 and at most 1; 1 for the others.  For one material, the
         thresholds t and 1 - t of material and void keep the cells with at least the fraction t.
     with_void
-        Mesh the void of the grid and of one layer of cells around it as well.
+        Whether to mesh the void too, in the grid and in one layer of cells around it.
     name
-        What messages call the mesh.
+        Name of the mesh in messages.
 
     Raises
     ------
     TopologyError
-        A threshold is out of range or of no material.
+        A threshold is out of range or does not belong to a material.
     SamplingError
-        The image is not one of labels.
+        The image is not an image of labels.
 
     Examples
     --------
@@ -205,7 +205,7 @@ def _round_thresholds(names: Sequence[str], thresholds: dict[str, float]) -> Int
             )
     wanted = np.array([thresholds.get(name, 1.0) for name in names])
     rounded: IntArray = np.ceil(wanted * FULL).astype(np.int64)
-    # The void's is rounded down: with t and 1 - t both conditions say the same.
+    # Round the void's threshold down, so that with t and 1 - t both conditions are equivalent.
     rounded[-1] = int(np.floor(wanted[-1] * FULL))
     return rounded
 
@@ -213,7 +213,7 @@ def _round_thresholds(names: Sequence[str], thresholds: dict[str, float]) -> Int
 def _decide_planar(
     fractions: MaterialFractions, labels: Labels, thresholds: IntArray, name: str
 ) -> tuple[Emitted, Contacts, int]:
-    """Return the elements of a grid in the plane, its contacts, and 0: no vote is overruled."""
+    """Return the elements of a grid in the plane, its contacts, and 0 overruled votes."""
     ball = decide_balls(fractions, labels, thresholds)
     emitted = emit_planar(PlanarDecision(labels, ball), fractions.grid.padded(), name)
     numbers = np.arange(labels.size, dtype=np.int32).reshape(labels.shape)
@@ -232,14 +232,14 @@ def _decide_planar(
 def _decide_spatial(
     fractions: MaterialFractions, labels: Labels, thresholds: IntArray, name: str
 ) -> tuple[Emitted, Contacts, int]:
-    """Return the elements of a grid in space, its contacts, and the votes overruled."""
+    """Return the elements of a grid in space, its contacts, and the number of overruled votes."""
     decision = decide_sticks(fractions, labels, thresholds)
     emitted = emit_spatial(decision, fractions.grid.padded().padded(), name)
     return emitted, decision.contacts, decision.n_overruled
 
 
 def _renumber(mesh: VolumeMesh, shape: tuple[int, ...], layers: int) -> VolumeMesh:
-    """Return a mesh of a padded grid with the cells of the grid itself, -1 for others."""
+    """Return a mesh of a padded grid with cell numbers of the grid itself, -1 for other cells."""
     place = np.stack(np.unravel_index(mesh.grid_cell, shape)) - layers
     inner = tuple(n - 2 * layers for n in shape)
     is_inside = ((place >= 0) & (place < np.array(inner)[:, None])).all(axis=0)

@@ -3,14 +3,14 @@
 ::
 
     octants       0..7    the cells around the vertex; bit k is set on the upper side of axis k
-    half-edges    0..5    the grid edges at the vertex; 2 axis, + 1 for the upper one
+    half-edges    0..5    the grid edges at the vertex: 2 axis, plus 1 for the upper one
     kites         0..11   the quarters of grid faces at the vertex: two octants, two half-edges
-    sectors       0..47   every kite is cut in four: octant of 2, half-edge of 2; number
+    sectors       0..47   the quarters of kites, one per octant and half-edge of the kite; number
                           4 kite + 2 (which octant) + (which half-edge)
 
-The sectors are the triangles (octant, kite, half-edge) of a small sphere around the vertex.  A
-face that is refined gives its sectors to the sticks along its edges, any other to its two cells.
-Sets of octants, half-edges and sectors are bits of an integer.
+The sectors are the triangles (octant, kite, half-edge) of a small sphere around the vertex.  The
+sectors of a refined face belong to the sticks along its edges, those of any other face to its two
+cells.  The bits of an integer represent a set of octants, half-edges or sectors.
 """
 
 from __future__ import annotations
@@ -41,15 +41,15 @@ class Octants(NamedTuple):
     next_to
         The three sectors beside every sector, as bits, shape (48,).
     parts
-        For every set of octants and every octant in it the lowest octant that it reaches across
-        faces, shape (256, 8).
+        The lowest octant that can be reached across faces from every octant of every set of
+        octants, shape (256, 8).
     is_pinched
-        Whether a set of octants or the others fall apart, shape (256,).
+        Whether a set of octants or its complement is disconnected, shape (256,).
     euler
         Euler characteristic of the octants of a set and the faces between them, shape (256,).
     splits
-        Sets of half-edges whose sticks do not form a disc: two opposite ones, or the other four,
-        shape (64,).
+        Whether the sticks of a set of half-edges do not form a disc, because the set is two
+        opposite half-edges or the other four, shape (64,).
     """
 
     kites: IntArray
@@ -128,7 +128,7 @@ def _n_shared(a: tuple[int, int, int], b: tuple[int, int, int]) -> int:
 
 
 def _find_parts(mask: int) -> list[int]:
-    """Return the lowest octant that every octant of a set reaches across faces, -1 outside it."""
+    """Return the lowest octant in reach, across faces, of every octant of a set; -1 outside."""
     part = [a if mask >> a & 1 else -1 for a in range(8)]
     for _ in range(4):
         for a, k in itertools.product(range(8), range(3)):

@@ -1,14 +1,14 @@
-r"""Contacts in 2D: a ball at every pinched vertex, of the material that its vote has.
+r"""Resolve contacts in 2D: every pinched vertex gets a ball of the material that wins its vote.
 
-A vertex is pinched when two cells at it that do not share a side have one material that none of the
-others has.  The cells around it are split 1-5 and a side with a pinched end gives up its two
-trapezoids for one kite for each pinched end and two quads::
+A vertex is pinched if two of its cells that do not share a side have a material that neither of the
+other cells has.  The cells around it are split by the 1-5 template.  At a side with a pinched end,
+one kite for each pinched end and two quads replace the two trapezoids::
 
     +-----------------+
     |  A    inner     |        The kite has the corners vertex, inner corner of A, a point of the
     |      a-------   |        side, inner corner of B.  The four kites around a pinched vertex are
     |    / |          |        its ball: a disc, so that any of the materials may have it without
-    v---s-----------  +        another pinch, whatever the other vertices have.
+    v---s-----------  +        another pinch, whatever material the other vertices have.
     |    \ |          |
     |      b-------   |
     |  B    inner     |
@@ -28,10 +28,10 @@ from tusqh.contacts.votes import count_votes
 from tusqh.grid import BackgroundGrid, BoolArray, IntArray
 from tusqh.meshes.volume_mesh import CONNECTING, GRID_CELL, INNER_CELL, SEPARATING
 
-#: Where a kite ends on its side, in lengths of the side.
+#: Position on the side where a kite ends, in lengths of the side.
 _KITE = 0.375
 
-#: Offsets of the cells around a vertex, cyclic.
+#: Offsets of the cells around a vertex, in cyclic order.
 _AROUND = ((0, 0), (1, 0), (1, 1), (0, 1))
 
 Labels = NDArray[np.int32]
@@ -46,7 +46,7 @@ class PlanarDecision:
     labels
         Material of every cell, shape ``n + 2``.
     ball
-        Material of the ball at every pinched vertex, -1 at others, shape ``n + 3``.
+        Material of the ball at every pinched vertex, -1 at other vertices, shape ``n + 3``.
     """
 
     labels: Labels
@@ -88,7 +88,7 @@ def find_diagonals(four: Labels) -> BoolArray:
 
 
 def decide_balls(fractions: MaterialFractions, labels: Labels, thresholds: IntArray) -> Labels:
-    """Return the material of every ball, by the vote of its vertex.
+    """Return the material of every ball, which wins the vote of its vertex.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def decide_balls(fractions: MaterialFractions, labels: Labels, thresholds: IntAr
     Returns
     -------
     ball
-        Shape ``n + 3``; -1 where no vertex is pinched.
+        Shape ``n + 3``; -1 for vertices that are not pinched.
     """
     four = around_vertices(labels)
     is_pinched = find_diagonals(four)
@@ -115,7 +115,7 @@ def decide_balls(fractions: MaterialFractions, labels: Labels, thresholds: IntAr
 
 
 def emit_planar(decision: PlanarDecision, grid: BackgroundGrid, name: str) -> Emitted:
-    """Return the quads of all materials, the void among them.
+    """Return the quads of all materials including the void.
 
     Parameters
     ----------
@@ -153,7 +153,7 @@ def _find_refined(decision: PlanarDecision, axis: int) -> BoolArray:
 
 
 def _both(refined: BoolArray, axis: int) -> tuple[BoolArray, BoolArray]:
-    """Return the cells whose upper, and those whose lower side is refined."""
+    """Return the cells whose upper side, and those whose lower side, is refined."""
     return refined, np.roll(refined, 1, axis)
 
 
@@ -181,7 +181,7 @@ def _emit_sides(
 
 
 def _add_point(emitter: Emitter, end: IntArray, other: IntArray, on: BoolArray) -> IntArray:
-    """Return points on sides near a pinched end, the end itself where it is not pinched."""
+    """Return points on sides near a pinched end, or the end itself if it is not pinched."""
     shape = emitter.vertex_shape
     here, there = (np.stack(np.unravel_index(v[on], shape), axis=1) for v in (end, other))
     points = end.copy()

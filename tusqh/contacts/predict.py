@@ -1,10 +1,10 @@
-"""The Betti numbers that every material will have, from labels and decisions alone.
+"""Predict the Betti numbers of every material from labels and decisions alone.
 
-The complex of a material has its cells, the faces between them, the edges and vertices with only
-its cells around them, and the contacts decided for it.  Its components come from one union-find for
-all materials.  Its complement retracts onto what the others have, so that its voids (in 2D its
-holes) are the components of the graph of touching components without its own, less the outside.
-Its holes in 3D follow from the Euler characteristic, which is counted.
+The complex of a material consists of its cells, the faces between them, the edges and vertices with
+only its cells around them, and the contacts decided for it.  One union-find gives the components of
+all materials.  The complement of a material retracts onto the complexes of the others, so its voids
+(in 2D its holes) are the components of the graph of touching components without its own, less the
+outside.  Its holes in 3D follow from the Euler characteristic, which is counted.
 """
 
 from __future__ import annotations
@@ -33,15 +33,16 @@ class Contacts:
     Parameters
     ----------
     vertex_cells
-        Flat cells around every pinched vertex, cyclic in 2D, octants in 3D, shape (p, 2**dim).
+        Flat cells around every pinched vertex, in cyclic order in 2D and in the order of octants
+        in 3D, shape (p, 2**dim).
     ball
-        Material of its ball, shape (p,).
+        Material of the ball at each vertex, shape (p,).
     sticks
-        In 3D the materials of the sticks at its six half-edges, shape (p, 6).
+        In 3D, the materials of the sticks at the six half-edges of each vertex, shape (p, 6).
     edge_cells
-        In 3D the flat cells around every pinched edge, cyclic, shape (e, 4).
+        In 3D, the flat cells around every pinched edge in cyclic order, shape (e, 4).
     edge_material
-        Material of its stick, shape (e,).
+        Material of the stick along each edge, shape (e,).
     """
 
     vertex_cells: IntArray
@@ -57,8 +58,8 @@ def predict_betti(labels: Labels, contacts: Contacts, n_materials: int) -> list[
     Parameters
     ----------
     labels
-        Material of every cell; the cells of the outermost layer all have one material, which fills
-        the outside.
+        Material of every cell; all cells of the outermost layer have the material that fills the
+        outside.
     contacts
         What was decided.
     n_materials
@@ -95,7 +96,7 @@ def predict_betti(labels: Labels, contacts: Contacts, n_materials: int) -> list[
 
 
 def predict_solid(labels: Labels, contacts: Contacts, void: int) -> BettiNumbers:
-    """Return the Betti numbers of all materials but the void together.
+    """Return the Betti numbers of the union of all materials except the void.
 
     Parameters
     ----------
@@ -104,7 +105,7 @@ def predict_solid(labels: Labels, contacts: Contacts, void: int) -> BettiNumbers
     contacts
         What was decided.
     void
-        Number of the void.
+        Index of the void.
     """
     merged = (labels == void).astype(np.int32)
     around = merged.ravel()[contacts.vertex_cells]
@@ -157,7 +158,7 @@ def count_euler(labels: Labels, contacts: Contacts, n_materials: int) -> IntArra
 
 
 def _find_uniform(labels: Labels, axes: list[int]) -> Labels:
-    """Return the materials of all blocks of two cells along some axes that have only one."""
+    """Return the materials of all blocks, two cells long along some axes, of one material."""
     same = np.ones_like(labels, dtype=bool)
     material = labels
     for axis in axes:
@@ -169,14 +170,14 @@ def _find_uniform(labels: Labels, axes: list[int]) -> Labels:
 
 
 def _euler_of_edges(around: Labels, material: Labels) -> IntArray:
-    """Return what a stick adds to the Euler characteristic of its material, shape (e,)."""
+    """Return the contribution of a stick to its material's Euler characteristic, shape (e,)."""
     own = around == material[:, None]
     n_faces = (own & np.roll(own, -1, axis=1)).sum(axis=1)
     return np.asarray(1 - (own.sum(axis=1) - n_faces), dtype=np.int64)
 
 
 def _euler_of_links(around: Labels, sticks: Labels, ball: Labels) -> IntArray:
-    """Return the Euler characteristic of what balls touch of their own material, shape (p,)."""
+    """Return the Euler characteristic of the contact of balls with their material, shape (p,)."""
     tables = octants()
     own = around == ball[:, None]
     euler = tables.euler[own @ (1 << np.arange(8))]

@@ -1,12 +1,12 @@
-"""Contacts in 3D: which vertices are marked, and the material of every stick at them.
+"""Resolve contacts in 3D: mark vertices and choose the material of every stick at them.
 
 The faces at a marked vertex are refined: the four rings around a grid edge form a *stick*, which
-has the material of one of the four cells.  Every pinched vertex is marked.  Its sticks follow the
-votes of pinched edges and of the vertex, its *ball*, where they can; else all labels of its six
-sticks are tried.  An unmarked vertex whose refined faces make it bad is marked too.  Where no
-sticks are good, all that is marked and joined by grid edges takes the *order rule*: every stick has
-the first material among its four cells, which is good at every vertex.  Marks only grow, so that
-this ends.
+has the material of one of the four cells.  Every pinched vertex is marked.  If possible, its sticks
+follow the votes of pinched edges and of the vertex (its *ball*); otherwise all labels of its six
+sticks are tried.  An unmarked vertex that becomes bad through its refined faces is marked too.  If
+no sticks are good, all marked vertices that grid edges join take the *order rule*: every stick has
+the first material among its four cells, which is good at every vertex.  Marks are only added, so
+the procedure ends.
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ class SpatialDecision:
     field
         Marks, sticks and the rings of single faces.
     contacts
-        Pinched edges and vertices with what was decided.
+        Pinched edges and vertices with their decided materials.
     n_overruled
-        Pinched edges and vertices whose vote was overruled.
+        Number of pinched edges and vertices whose vote was overruled.
     n_by_order
-        Vertices under the order rule.
+        Number of vertices under the order rule.
     """
 
     labels: Labels
@@ -53,7 +53,7 @@ class SpatialDecision:
 
 
 class _Decider:
-    """Marks, sticks and costs while they change; see the module."""
+    """The mutable state of marks, sticks and costs; see the module's docstring."""
 
     def __init__(self, votes: SpatialVotes) -> None:
         self.votes, self.tables = votes, octants()
@@ -98,7 +98,7 @@ class _Decider:
         self._choose_sides()
 
     def _mark(self, vertices: IntArray) -> None:
-        """Mark vertices and give sticks to the edges at them that had none."""
+        """Mark vertices and give sticks to those of their edges that have none."""
         self.field.marked[vertices] = True
         wish = np.full(len(self.field.marked), -1, dtype=np.int32)
         wish[self.vertices] = self.ball.winner
@@ -121,7 +121,7 @@ class _Decider:
                 self.edges.append((axis, pinched, around[is_pinched], own))
 
     def _near(self) -> IntArray:
-        """Return the vertices that share a face with a marked one, and the marked ones."""
+        """Return the marked vertices and the vertices that share a face with one."""
         marked = np.flatnonzero(self.field.marked)
         is_near = np.zeros(len(self.field.marked), dtype=bool)
         offsets = np.stack(np.meshgrid(*[[-1, 0, 1]] * 3), axis=-1).reshape(-1, 3)
@@ -130,12 +130,12 @@ class _Decider:
         return np.flatnonzero(is_near)
 
     def _fall_back(self, vertices: IntArray) -> None:
-        """Give the order rule to all that is marked and joined to some vertices."""
+        """Apply the order rule to all marked vertices that are joined to some vertices."""
         self.by_order[vertices] = True
         self._spread_order()
 
     def _spread_order(self) -> None:
-        """Let the order rule reach all marked vertices that grid edges join to it."""
+        """Extend the order rule to all marked vertices that grid edges join to it."""
         if not self.by_order.any():
             return
         marked = self.field.marked.reshape(self.votes.shape)
@@ -153,9 +153,9 @@ class _Decider:
             self.field.sticks[axis, edges] = first
 
     def _choose_sides(self) -> None:
-        """Give the rings of faces to the cell whose material their sticks have, where that is good.
+        """Assign the rings of faces to the cell with the material of their sticks if that is good.
 
-        Such faces stay plain.  Faces at a vertex that would change are put back, until none does.
+        Such faces stay plain.  Faces at a vertex whose verdict changes are reset, until none does.
         """
         faces, flat = self._find_sides()
         sides = self.field.sides.ravel()
@@ -173,9 +173,9 @@ class _Decider:
             faces, corners, before = faces[~is_back], corners[~is_back], before[~is_back]
 
     def _find_sides(self) -> tuple[IntArray, IntArray]:
-        """Return faces whose rings should go to the other cell, and the steps to their corners.
+        """Return the faces whose rings should move to the other cell, and steps to their corners.
 
-        Faces are numbers in all axes; the steps have shape (f, 4).
+        Faces are numbered over all axes; the steps have shape (f, 4).
         """
         n = len(self.field.labels)
         found, to_corners = [], []
@@ -238,7 +238,7 @@ def decide_sticks(
 
 
 def face_sticks(field: Field, axis: int) -> tuple[IntArray, Labels, Labels, Labels, BoolArray]:
-    """Return the refined faces across an axis and the sticks along their edges.
+    """Return the refined faces normal to an axis and the sticks along their edges.
 
     Parameters
     ----------
@@ -254,8 +254,9 @@ def face_sticks(field: Field, axis: int) -> tuple[IntArray, Labels, Labels, Labe
     lower, upper
         Materials of the cells on both sides, shape (f,).
     sticks
-        Materials of the sticks, shape (f, 4): along the next axis but one at the lowest corner and
-        across the next one, then along the next axis likewise.
+        Materials of the sticks, shape (f, 4).  The first two lie along the next axis but one, at
+        the lowest corner and one step along the next axis; the other two lie along the next axis
+        likewise.
     has
         Whether these edges have a stick, shape (f, 4).
     """
@@ -270,6 +271,6 @@ def face_sticks(field: Field, axis: int) -> tuple[IntArray, Labels, Labels, Labe
 
 
 def _to_cells(numbers: IntArray, shape: tuple[int, ...]) -> IntArray:
-    """Return the flat cells of a grid of the numbers of their lowest vertices."""
+    """Return the flat cells of a grid from the numbers of their lowest vertices."""
     index = np.unravel_index(numbers, shape)
     return np.asarray(np.ravel_multi_index(index, tuple(n - 1 for n in shape)), dtype=np.int64)

@@ -1,4 +1,4 @@
-"""The votes of the vertices and edges of a padded grid in 3D."""
+"""Count the votes of the vertices and edges of a padded grid in 3D."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tusqh.contacts.predict import Labels
 from tusqh.contacts.votes import Votes, count_votes
 from tusqh.grid import IntArray
 
-#: Layers of void around the grid: sticks reach into one, and are judged from the next.
+#: Layers of void around the grid: sticks reach into the first and are judged from the second.
 LAYERS = 2
 
 

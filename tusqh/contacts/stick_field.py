@@ -1,7 +1,7 @@
-"""The state of a padded grid in 3D, and where its materials are pinched.
+"""The state of a padded grid in 3D, and the vertices where its materials are pinched.
 
-Vertices, the edges that start at them, the faces whose lowest corner they are and the cells above
-them share one flat number.
+A vertex, the edges that start there, the faces with that lowest corner and the cell above it share
+one flat number.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ class Field(NamedTuple):
     sticks
         Material of the stick at every edge with a marked end, shape (3, n_v).
     sides
-        Which cell of a refined face has the rings at its other edges: 0 lower, 1 upper one,
-        shape (3, n_v).
+        Which cell of a refined face owns the rings at its edges without sticks: 0 for the lower, 1
+        for the upper cell, shape (3, n_v).
     steps
         Differences between the numbers of neighbours along every axis, shape (3,).
     """
@@ -41,16 +41,16 @@ class Field(NamedTuple):
 
 
 class Costs(NamedTuple):
-    """What it costs to overrule the votes of pinched vertices and edges.
+    """The costs of overruling the votes of pinched vertices and edges.
 
     Parameters
     ----------
     vertex_row
-        Row of every pinched vertex, -1 for others, shape (n_v,).
+        Row of every pinched vertex, -1 for other vertices, shape (n_v,).
     vertex_cost
         Cost of the material of each octant, shape (p, 8).
     edge_row
-        Row of every pinched edge, -1 for others, shape (3, n_v).
+        Row of every pinched edge, -1 for other edges, shape (3, n_v).
     edge_cost
         Cost of the material of each of the four cells, in the order of `Octants.around`,
         shape (e, 4).

@@ -1,7 +1,7 @@
-"""Compiled decisions about sticks: what is a good vertex, and a search for better sticks.
+"""Compiled functions that decide whether a vertex is good and search for better sticks.
 
-A vertex is *good* when around it every material is a manifold, with the topology that its cells,
-its pinched edges and a ball of one of its materials say.
+A vertex is *good* if every material around it is a manifold with the topology that its cells, its
+pinched edges and a ball of one of its materials imply.
 """
 
 from __future__ import annotations
@@ -9,22 +9,22 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-#: Cost of a marked vertex that is not good, and of an unmarked one: it has to be marked.
+#: Cost of a marked vertex that is not good, and of an unmarked one, which then must be marked.
 _BAD, _UNMARKED_BAD = 1e6, 0.3
-#: Cost of another stick than the present one, so that nothing changes without a gain.
+#: Cost of changing the present stick, so that nothing changes without a gain.
 _CHANGE = 1e-4
 _ALL = (1 << 48) - 1
 
 
 @numba.njit(cache=True)
 def judge_around(octants, sectors, sticks, is_marked, tables):  # type: ignore[no-untyped-def]
-    """Return the octants, as bits, whose material may have the ball; 0 where the vertex is bad.
+    """Return the octants, as bits, whose material may have the ball; 0 if the vertex is bad.
 
     Parameters
     ----------
     octants, sectors, sticks
-        Materials of the octants, shape (8,), the sectors, shape (48,), and the sticks at the
-        half-edges, shape (6,), -1 where there is none; int32.
+        Materials of the octants, shape (8,), of the sectors, shape (48,), and of the sticks at the
+        half-edges, shape (6,), -1 if there is none; int32.
     is_marked
         Whether all faces at the vertex are refined.
     tables
@@ -62,7 +62,7 @@ def judge_around(octants, sectors, sticks, is_marked, tables):  # type: ignore[n
 
 @numba.njit(cache=True)
 def _is_connected(region, next_to):  # type: ignore[no-untyped-def]
-    """Return whether sectors are connected; no sector is."""
+    """Return whether a set of sectors is connected; the empty set is."""
     seen = region & -region
     while True:
         grown = seen
@@ -77,11 +77,11 @@ def _is_connected(region, next_to):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True)
 def _compare(octants, k, mask, region, sticks, tables):  # type: ignore[no-untyped-def]
-    """Return whether material k is joined as its cells and sticks say, and as its ball says.
+    """Return whether material k is joined as its cells and sticks, or its ball, require.
 
-    Found: its octants, and its sectors as one more body that touches some of them.  Said: its
-    octants, its pinched edges and, with the ball, everything at one.  Both are compared by which
-    octants are joined and by their Euler characteristic.
+    The actual body consists of its octants, and of its sectors as a further body that touches some
+    of them.  The required body consists of its octants, its pinched edges and, with the ball, all
+    of them joined.  The two are compared by the joined octants and by the Euler characteristic.
     """
     touching, n_kites = 0, 0
     for a in range(8):
@@ -137,7 +137,7 @@ def _join(parts, octants):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True)
 def _octant_steps(steps):  # type: ignore[no-untyped-def]
-    """Return the differences between the numbers of the octants and of their vertex."""
+    """Return the offsets from the number of a vertex to those of its octants."""
     found = np.zeros(8, dtype=np.int64)
     for a in range(8):
         for axis in range(3):
@@ -148,7 +148,7 @@ def _octant_steps(steps):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True)
 def _judge(v, field, tables):  # type: ignore[no-untyped-def]
-    """Return `judge_around` of a vertex of the grid."""
+    """Return the result of `judge_around` for a vertex of the grid."""
     octant = _octant_steps(field.steps)
     octants = np.empty(8, dtype=np.int32)
     sectors = np.empty(48, dtype=np.int32)
@@ -186,7 +186,7 @@ def _judge(v, field, tables):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True)
 def judge(vertices, field, tables):  # type: ignore[no-untyped-def]
-    """Return `judge_around` of some vertices of the grid, shape (r,).
+    """Return the results of `judge_around` for some vertices of the grid, shape (r,).
 
     Parameters
     ----------
@@ -237,9 +237,10 @@ def _is_wanting(v, octants, field, costs, tables):  # type: ignore[no-untyped-de
 
 @numba.njit(cache=True)
 def _list_options(v, octants, options, field, costs, tables):  # type: ignore[no-untyped-def]
-    """Fill the labels that every stick at a vertex may have and their prices; return the present.
+    """Fill in the possible labels of every stick at a vertex and their prices.
 
-    A price counts the vote of the edge, the vertex at its other end, and a change.
+    A price includes the vote of the edge, the cost at its other end, and the cost of a change.
+    Return the price of the present labels.
     """
     labels, price, number = options
     present = 0.0
@@ -271,7 +272,7 @@ def _list_options(v, octants, options, field, costs, tables):  # type: ignore[no
 
 @numba.njit(cache=True)
 def _search(octants, options, ball_cost, best, tables):  # type: ignore[no-untyped-def]
-    """Return the cheapest good sticks of a vertex, all -1 where none is cheaper than `best`."""
+    """Return the cheapest good sticks of a vertex, all -1 if none is cheaper than `best`."""
     labels, price, number = options
     sectors = np.empty(48, dtype=np.int32)
     now, found = np.empty(6, dtype=np.int32), np.full(6, -1, dtype=np.int32)
@@ -302,9 +303,10 @@ def _search(octants, options, ball_cost, best, tables):  # type: ignore[no-untyp
 
 @numba.njit(cache=True)
 def improve(vertices, field, costs, frozen, tables):  # type: ignore[no-untyped-def]
-    """Change sticks at marked vertices where that lowers the cost.
+    """Change sticks at marked vertices if that lowers the cost.
 
-    All labels of the six sticks are tried, at most 4**6; what they do at the other ends counts.
+    All combinations of labels of the six sticks, at most 4**6, are tried; their costs at the other
+    ends are included.
 
     Parameters
     ----------
@@ -322,7 +324,7 @@ def improve(vertices, field, costs, frozen, tables):  # type: ignore[no-untyped-
     Returns
     -------
     n_changed : int
-        How many sticks changed.
+        Number of sticks that changed.
     """
     octant = _octant_steps(field.steps)
     octants = np.empty(8, dtype=np.int32)

@@ -1,4 +1,4 @@
-r"""The templates of both dimensions: cells split into an inner cell and one frustum per face.
+r"""The templates of both dimensions; they split a cell into an inner cell and a frustum per face.
 
 The 1-5 split of a quad (paper: Anti-aliasing; algorithm 4.3)::
 
@@ -6,12 +6,12 @@ The 1-5 split of a quad (paper: Anti-aliasing; algorithm 4.3)::
     | \   2   / |      trapezoid.  To *separate*, kept cells at the pinch are split and
     |  3-----2  |      the trapezoids between them and the void are removed, so that the
     |3 |inner|1 |      cell draws back from the pinch.  To *connect*, empty cells at the
-    |  0-----1  |      pinch are split and the trapezoids between them and kept cells are
+    |  0-----1  |      pinch are split, and the trapezoids between them and kept cells are
     | /   0   \ |      added, so that the kept cells meet side to side.
     0-----------1
 
-The 1-7 split of a hex is the same with one frustum per face.  Outer faces of split cells stay
-whole, so that the cells around them conform.
+The 1-7 split of a hex is analogous, with one frustum per face.  Outer faces of split cells stay
+whole, so the cells around them conform.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from tusqh.grid.numbering import CORNERS
 from tusqh.meshes.facets import HEX_FACETS, QUAD_FACETS
 
 #: Distance of the inner cell from the faces, in cells.  On cubic cells trapezoids have angles of 45
-#: and 135 degrees, so a scaled Jacobian of sqrt(2)/2, and frusta one of 1/sqrt(3).
+#: and 135 degrees, so their scaled Jacobian is sqrt(2)/2; that of frusta is 1/sqrt(3).
 INSET = 0.25
 
 
@@ -41,8 +41,8 @@ class Template:
         Corners of every face of the cell, in the order of `tusqh.grid.numbering.FACES`,
         shape (2 dim, 2**(dim - 1)).
     frusta
-        Corners of the frustum at every face, shape (2 dim, 2**dim): below ``2**dim`` the outer
-        corners of the cell, from there on the corners of the inner cell.
+        Corners of the frustum at every face, shape (2 dim, 2**dim): numbers below ``2**dim`` are
+        outer corners of the cell, the others corners of the inner cell.
     """
 
     inner: FloatArray

@@ -1,4 +1,4 @@
-"""The votes of contacts: which of the cells around a place has the best material there."""
+"""Count the votes of contacts, which determine the best material among the cells at a place."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from tusqh.grid import FloatArray, IntArray
 
 @dataclass(frozen=True)
 class Votes:
-    """What some places vote for, and the price of taking one of the others.
+    """The material for which each place votes, and the price of each alternative.
 
     Parameters
     ----------
     winner
-        Material that each place votes for, shape (r,), int32.
+        Material for which each place votes, shape (r,), int32.
     price
-        For every candidate 0 where it is the winner, else 1 and half of how far its score is below
-        that of the winner, from 0 (a tie) to 1, shape (r, c).
+        Price of every candidate, shape (r, c): 0 for the winner, otherwise 1 plus half of its
+        relative loss of score against the winner, which is between 0 (a tie) and 1.
     """
 
     winner: NDArray[np.int32]
@@ -36,15 +36,15 @@ def count_votes(
 ) -> Votes:
     """Return the votes of places of the doubled grid.
 
-    The score of a material is its fraction over its threshold.  Scores are compared exactly, as
-    products of multiples of 2**-20; of equal ones the material that comes first wins.
+    The score of a material is the ratio of its fraction to its threshold.  Scores are compared
+    exactly, as products of multiples of 2**-20; in a tie the first material wins.
 
     Parameters
     ----------
     fractions
         Fractions of all materials.
     places
-        Flat places of the doubled grid; -1 for places outside, where all is void, shape (r,).
+        Flat places of the doubled grid; -1 for places outside it, which are void, shape (r,).
     candidates
         Materials of the cells around each place, shape (r, c).
     thresholds

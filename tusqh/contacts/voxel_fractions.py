@@ -1,4 +1,4 @@
-"""Fractions of several materials from an image of labels: the share of voxels with each label."""
+"""Compute the fractions of several materials from the voxels of an image of labels."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tusqh.contacts.material_fractions import FULL, VOID, MaterialFractions
 from tusqh.errors import SamplingError
 from tusqh.grid import BackgroundGrid
 
-#: Most different materials, so that a number of one fits in 16 bits in every file format.
+#: Largest number of materials, so that their indices fit in 16 bits in every file format.
 MOST_LABELS = 65_535
 
 
@@ -28,23 +28,23 @@ def fractions_of_labels(
 ) -> MaterialFractions:
     """Return the fractions of the materials in an image of labels.
 
-    A fraction is the share of voxels with a label in the cube of the size of a cell around a
-    place, voxels cut in half counted by half.  Labels are never interpolated.
+    A fraction is the share of voxels with a label in a cube, as large as a cell, around a place;
+    voxels cut in half count half.  Labels are never interpolated.
 
     Parameters
     ----------
     voxels
         Labels, shape (nx, ny) or (nx, ny, nz), integers.
     voxels_per_cell
-        Voxels along each side of a cell; what the last cells have too much is void.
+        Voxels along each side of a cell; the part of the last cells beyond the image is void.
     voxel_size
         Edge length of a voxel, in the units of the model.
     origin
         Lowest corner of the image, in the units of the model; 0 by default.
     names
-        Names of labels; the others are called by their number.
+        Names of labels; the other labels are named by their number.
     void
-        Label that stands for no material; None where labels fill the image.
+        Label that means no material; None if materials fill the image.
 
     Raises
     ------

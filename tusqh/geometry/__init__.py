@@ -1,1 +1,1 @@
-"""Outlines, triangle soups and images, with their defects measured but never repaired."""
+"""Outlines, triangle soups and images, whose defects are measured but never repaired."""

@@ -1,6 +1,6 @@
 """Gaps and overlaps between neighbouring polygons, measured as slivers.
 
-Closed chains become polygons for this measurement only; the outline itself is left alone.
+Closed chains become polygons for this measurement only; the outline itself does not change.
 """
 
 from __future__ import annotations
@@ -22,15 +22,16 @@ _Regions = NDArray[Any]
 class Slivers:
     """Widths of the slivers between polygons, in model units, in descending order.
 
-    The width of a sliver is twice its area over its perimeter: exact for a long strip.
+    The width of a sliver is twice its area divided by its perimeter, which is exact for a long
+    strip.
 
     Parameters
     ----------
     gaps
-        Bounded pieces of the plane that no polygon covers and that are not a hole which a single
-        polygon has by itself, shape (n,).
+        Bounded regions of the plane that no polygon covers and that are not a hole of a single
+        polygon, shape (n,).
     overlaps
-        Pieces of positive area that two polygons both cover, shape (m,).
+        Regions of positive area that two polygons both cover, shape (m,).
     """
 
     gaps: FloatArray
@@ -49,15 +50,16 @@ def measure_slivers(
     segments
         Segments of closed chains, shape (m, 2).
     chains
-        Chain of every segment, shape (m,), numbered 0 ... without a gap, in file order.
+        Chain of every segment, shape (m,), numbered from 0 without gaps, in file order.
     areas
         Signed area of every chain, shape (k,).
 
     Notes
     -----
-    A chain that turns against the majority (by area) and lies in the last majority chain before
-    it is a hole of that one: files list holes after their outer ring.  A chain covers what it
-    winds around, in either direction, so where it crosses itself both lobes count.
+    A chain whose direction differs from the majority's (by area) is a hole of the last majority
+    chain before it if it lies inside that chain, because files list holes after their outer ring.
+    A chain covers the points around which it winds in either direction, so both lobes of a chain
+    that crosses itself count.
     """
     none = np.empty(0)
     if len(segments) == 0:
@@ -70,7 +72,7 @@ def measure_slivers(
 def _regions(
     points: FloatArray, segments: IntArray, chains: IntArray, areas: FloatArray
 ) -> _Regions:
-    """Return the area each outer chain encloses, without its holes."""
+    """Return the region that each outer chain encloses, without its holes."""
     order = np.argsort(chains, kind="stable")
     corners = np.split(points[segments[order]], np.cumsum(np.bincount(chains))[:-1])
     alone = np.array([_enclosed(chain) for chain in corners])
@@ -86,7 +88,7 @@ def _regions(
 
 
 def _enclosed(corners: FloatArray) -> Any:
-    """Return the area that segments, shape (n, 2, 2), wind around."""
+    """Return the region around which segments, shape (n, 2, 2), wind."""
     noded = shapely.node(shapely.multilinestrings(shapely.linestrings(corners)))
     faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(noded)))
     inner = shapely.get_coordinates(shapely.point_on_surface(faces))
@@ -99,7 +101,7 @@ def _enclosed(corners: FloatArray) -> Any:
 
 
 def _gaps(regions: _Regions, narrowest: float) -> FloatArray:
-    """Return the widths of the holes in the union that no region has by itself."""
+    """Return the widths of the holes in the union that are not holes of a single region."""
     gaps = _holes(np.atleast_1d(shapely.union_all(regions)))
     own = _holes(regions)
     if len(own) and len(gaps):
@@ -131,7 +133,7 @@ def _overlaps(regions: _Regions, narrowest: float) -> FloatArray:
 
 
 def _widths(slivers: _Regions, narrowest: float) -> FloatArray:
-    """Return twice the area over the perimeter, largest first, without rounding noise."""
+    """Return twice the area divided by the perimeter, largest first, without rounding noise."""
     proper = slivers[shapely.length(slivers) > 0]
     widths = 2 * shapely.area(proper) / shapely.length(proper)
     return np.asarray(np.sort(widths[widths > narrowest])[::-1])

@@ -1,8 +1,8 @@
 """The boundary of a soup or outline as a chain with integer multiplicities.
 
-Triangles add up their directed edges, segments their end points, after matching coordinates that
-are equal in every bit.  What does not cancel is all that the winding number sees of gaps, flips
-and copies (algorithm 1).
+Points whose coordinates are equal in every bit are matched; then the directed edges of triangles,
+or the end points of segments, are added up.  Only the terms that do not cancel, from gaps, flips
+and copies, affect the winding number (algorithm 1).
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from tusqh.grid import FloatArray, IntArray
 
 
 def match_points(points: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Return the distinct points, in the order of their first appearance, and each one's number.
+    """Return the distinct points, in order of first appearance, and the index of every point.
 
-    Nothing moves: coordinates match when they are equal in every bit (0.0 equals -0.0).
+    No point moves: coordinates match if they are equal in every bit (0.0 equals -0.0).
 
     Parameters
     ----------
@@ -71,14 +71,14 @@ def boundary_edges(triangles: IntArray, n_points: int) -> tuple[IntArray, IntArr
 def cancel_edges(
     edges: IntArray, multiplicity: IntArray, n_points: int
 ) -> tuple[IntArray, IntArray]:
-    """Return directed edges with opposite and equal ones added up.
+    """Return the distinct edges of a chain, with the multiplicities of all copies added up.
 
     Parameters
     ----------
     edges
         Start and end of every edge, shape (m, 2).
     multiplicity
-        How often each edge counts, shape (m,).
+        Signed number of times each edge counts, shape (m,).
     n_points
         Number of points.
 
@@ -87,7 +87,8 @@ def cancel_edges(
     edges : numpy.ndarray
         Distinct edges from the lower to the higher point, shape (k, 2).
     multiplicity : numpy.ndarray
-        Sum over the edges in this direction less that over opposite ones, shape (k,), never zero.
+        Sum over the edges in this direction minus the sum over opposite ones, shape (k,), never
+        zero.
     """
     lower, upper, net = _cancel(edges, multiplicity, n_points)
     return np.stack([lower, upper], axis=1), net
@@ -106,10 +107,10 @@ def boundary_points(segments: IntArray, n_points: int) -> tuple[IntArray, IntArr
     Returns
     -------
     ends : numpy.ndarray
-        Numbers of the points, ascending, shape (k,).
+        Indices of the points, ascending, shape (k,).
     multiplicity : numpy.ndarray
-        How often each is an end less how often it is a start, shape (k,), never zero; the sum over
-        all points is zero.
+        Number of segments that end at each point minus the number that start there, shape (k,),
+        never zero; the sum over all points is zero.
 
     Examples
     --------

@@ -1,12 +1,13 @@
 """The canonical geometry file: a binary VTP that ParaView opens, exact to the last bit.
 
-Equal geometries give equal bytes.  What a file holds follows from its data:
+Equal geometries give equal bytes.  The data in a file show which kind of geometry it holds:
 
 * an outline: line cells with cell data ``chain``;
 * a soup: triangles with cell data ``part``;
 * an image: the edges of its box, with the voxels as field data ``voxels``.
 
-All have the name of the geometry as field data.  No reader of other formats is imported here.
+All files hold the name of the geometry as field data.  This module imports no reader of other
+formats.
 """
 
 from __future__ import annotations
@@ -165,7 +166,7 @@ def _to_image(data: Any) -> Image:
 
 @contextmanager
 def _explaining(path: Path) -> Iterator[None]:
-    """Turn what VTK and NumPy raise over another file into a `GeometryError`."""
+    """Turn the errors that VTK and NumPy raise for other files into a `GeometryError`."""
     try:
         yield
     except (KeyError, ValueError, AttributeError, IndexError, OSError, RuntimeError) as error:

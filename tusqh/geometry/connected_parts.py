@@ -1,8 +1,8 @@
-"""Connected parts of a soup, and which triangles disagree with their neighbours within one.
+"""Connected parts of a soup, and the triangles that disagree with their neighbours.
 
 A *patch* is a set of triangles joined across edges of exactly two triangles.  A patch without a
-boundary is a part of its own; patches with a boundary form one part where their bounding boxes
-touch, since gaps may divide what belongs together.
+boundary is a part by itself; patches with a boundary form one part if their bounding boxes touch,
+because gaps may separate patches of the same part.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import connected_components
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BoolArray, FloatArray, IntArray
 
-#: With more open patches than this, all of them are one part.
+#: If there are more open patches than this, all of them form one part.
 _MOST_OPEN_PATCHES = 3000
 
 
@@ -57,7 +57,7 @@ def find_parts(soup: Soup) -> ConnectedParts:
     Parameters
     ----------
     soup
-        The soup; points of equal coordinates are taken as one.
+        The soup; points with equal coordinates are merged.
 
     Returns
     -------
@@ -110,14 +110,14 @@ def _sums(group: IntArray, values: FloatArray | BoolArray) -> FloatArray:
 
 
 def _edges(triangles: IntArray, n_points: int) -> tuple[IntArray, BoolArray]:
-    """Return the edge of side 3 t + k, and whether the side walks it from its lower point."""
+    """Return the edge of side 3 t + k, and whether the side starts at the edge's lower point."""
     start, end = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     key = np.minimum(start, end) * n_points + np.maximum(start, end)
     return np.unique(key, return_inverse=True)[1].ravel(), np.asarray(start < end)
 
 
 def _neighbours(edge: IntArray, part_of_file: IntArray) -> tuple[IntArray, IntArray]:
-    """Return pairs of sides that are the only two at an edge, of the file or of one part of it."""
+    """Return the pairs of sides that are the only two at an edge, in the file or in one part."""
     count = np.bincount(edge)[edge]
     part = np.where(count == 2, 0, np.repeat(part_of_file, 3))
     order = np.lexsort((part, edge))
@@ -137,10 +137,10 @@ def _components(first: IntArray, second: IntArray, n: int) -> IntArray:
 def _reversed_triangles(
     links: tuple[IntArray, IntArray], disagrees: BoolArray, patch: IntArray, area: FloatArray
 ) -> tuple[BoolArray, BoolArray]:
-    """Return triangles against the majority of their patch, and patches that have two sides in one.
+    """Return the triangles opposite to their patch's majority, and the non-orientable patches.
 
-    Every triangle has two nodes, one for each of its sides; the components of that graph are the
-    sides of the patches, two for each patch that can be oriented.
+    In the graph every triangle has two nodes, one for each face; its components are the faces of
+    the patches, and an orientable patch has two of them.
     """
     n, n_patches = len(patch), int(patch.max(initial=-1)) + 1
     if not disagrees.any():
@@ -158,7 +158,7 @@ def _reversed_triangles(
 
 
 def _open_patches(patch: IntArray, edge: IntArray, is_forward: BoolArray) -> BoolArray:
-    """Return whether a patch has an edge that it does not walk equally often both ways."""
+    """Return whether a patch has an edge that it traverses more often in one direction."""
     n_edges = int(edge.max(initial=-1)) + 1
     key = np.repeat(patch, 3) * n_edges + edge
     unique, number = np.unique(key, return_inverse=True)

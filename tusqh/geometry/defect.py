@@ -10,7 +10,7 @@ import pandas as pd
 
 Facts = TypeVar("Facts")
 
-#: Units of measures; a unit of the model to a power, or none.
+#: Units of measures: the model unit to a power, or none.
 LENGTH, AREA, VOLUME, DIMENSIONLESS = "model units", "model units^2", "model units^3", "-"
 
 #: The measure of a defect that is only counted.
@@ -27,13 +27,13 @@ class Defect(Generic[Facts]):
     Parameters
     ----------
     name
-        Its name in the column ``defect``.
+        Name in the column ``defect``.
     unit
         Unit of its measure.
     explanation
         What is counted; after a semicolon, what is measured.
     find
-        Returns count and measure, from the facts of a geometry.
+        Function that returns count and measure from the facts of a geometry.
     """
 
     name: str
@@ -71,7 +71,7 @@ def tabulate_defects(defects: Sequence[Defect[Facts]], facts: Facts) -> pd.DataF
     defects
         The kinds.
     facts
-        What they are found from.
+        The facts from which they are determined.
 
     Returns
     -------

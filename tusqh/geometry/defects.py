@@ -1,4 +1,4 @@
-"""The defects of a geometry: measured, never repaired."""
+"""Measure the defects of a geometry without repairing them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tusqh.geometry.voxel_counts import VOXEL_COUNTS, VoxelFacts
 
 
 def describe_defects(geometry: Geometry) -> pd.DataFrame:
-    """Return one row for each kind of defect; the same kind of geometry has always the same rows.
+    """Return one row for each kind of defect; each kind of geometry always has the same rows.
 
     Dirty geometry is input, not an error; every kind of defect is reported, found or not.
 
@@ -36,7 +36,7 @@ def describe_defects(geometry: Geometry) -> pd.DataFrame:
     Two points are the same if their coordinates are equal in every bit.  The order of segments or
     triangles does not matter.  Reversing all segments swaps ``counter_clockwise_chains`` with
     ``clockwise_chains`` and changes the sign of ``signed_area``, and nothing else.
-    Self-intersecting triangles are counted by pymeshlab, and are -1 where it is not installed.
+    pymeshlab counts the self-intersecting triangles; the count is -1 if it is not installed.
 
     Examples
     --------

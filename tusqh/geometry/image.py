@@ -17,7 +17,7 @@ __all__ = ["Image"]
 
 @dataclass(frozen=True)
 class Image:
-    """Cubic voxels of constant volume fraction, exactly as measured; nothing is filtered.
+    """Cubic voxels of constant volume fraction, exactly as measured, without filtering.
 
     Parameters
     ----------
@@ -26,7 +26,8 @@ class Image:
     voxel_size
         Edge length of a voxel, in the units of the model.
     empty, full
-        Grey values of fraction 0 and of fraction 1; linear between them, clipped beyond them.
+        Grey values of fraction 0 and of fraction 1; fractions are linear between them and clipped
+        beyond them.
         ``empty > full`` makes dark voxels the material.
     origin
         Lowest corner of voxel (0, 0, 0), in the units of the model.
@@ -36,8 +37,8 @@ class Image:
     Raises
     ------
     GeometryError
-        There are not three axes, or no voxel; a value is not a finite real number; the voxel size
-        is not positive; or `empty` and `full` are equal.
+        The array does not have three axes or has no voxels; a value is not a finite real number;
+        the voxel size is not positive; or `empty` and `full` are equal.
 
     Examples
     --------
@@ -122,7 +123,7 @@ class Image:
         origin: Sequence[float] = (0.0, 0.0, 0.0),
         name: str = "image",
     ) -> Image:
-        """Return the image of grey values, with defaults for `empty` and `full` by their type.
+        """Return the image of grey values; their type gives the defaults of `empty` and `full`.
 
         Booleans and floats are fractions already.  For integers, 0 is empty and the largest value
         in the image is full.

@@ -6,7 +6,7 @@ from tusqh.geometry.image import Image
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.soup import Soup
 
-#: A boundary without voxels: what a winding number is defined for.
+#: A boundary, for which a winding number is defined, as opposed to voxels.
 Surface = Outline | Soup
 
 #: Everything that can be meshed.

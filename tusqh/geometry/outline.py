@@ -23,15 +23,15 @@ class Outline:
     segments
         Start and end point of every segment, shape (m, 2).
     chains
-        For every segment the number of the chain (ring, path, polyline) of the file it belongs
-        to, shape (m,).
+        Number of the chain (ring, path or polyline of the file) to which each segment belongs,
+        shape (m,).
     name
         Where it came from, for messages.
 
     Raises
     ------
     GeometryError
-        No segments, coordinates that are not finite, or an outline without extent.
+        There are no segments, coordinates are not finite, or the outline has no extent.
     """
 
     points: FloatArray

@@ -53,7 +53,7 @@ def _open_ends(facts: OutlineFacts) -> Found:
 
 @defect(LENGTH, "surplus copies with the same ends and direction; their total length")
 def _duplicate_segments(facts: OutlineFacts) -> Found:
-    """Count segments beyond the first with their ends and direction."""
+    """Count segments that repeat the ends and direction of an earlier one."""
     _, forward, backward = facts.copies
     return _weighted(facts, np.maximum(forward - 1, 0) + np.maximum(backward - 1, 0))
 
@@ -87,7 +87,7 @@ def _touching(facts: OutlineFacts) -> Found:
     LENGTH, "open ends if there are at least two; the largest distance to the nearest other one"
 )
 def _end_gaps(facts: OutlineFacts) -> Found:
-    """Measure how far open ends are apart."""
+    """Measure the distances between open ends."""
     return len(facts.end_gaps), float(facts.end_gaps.max(initial=0.0))
 
 
@@ -126,12 +126,12 @@ def _signed_area(facts: OutlineFacts) -> Found:
 
 
 def _chosen(facts: OutlineFacts, is_chosen: BoolArray) -> Found:
-    """Return number and total length of some chains."""
+    """Return the number and total length of the chosen chains."""
     return int(is_chosen.sum()), float(facts.chain_lengths[is_chosen].sum())
 
 
 def _weighted(facts: OutlineFacts, count: IntArray) -> Found:
-    """Return the sum of a count per distinct segment, and their total length."""
+    """Return the sum of a count per distinct segment, and the total length of all copies."""
     lengths, _, _ = facts.copies
     return int(count.sum()), float((count * lengths).sum())
 

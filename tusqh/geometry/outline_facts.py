@@ -1,4 +1,4 @@
-"""What the defects of an outline are found from; each fact is computed once, when it is needed."""
+"""Facts that determine the defects of an outline, each computed once, when it is needed."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FLAT_AREA = 1e-13
 
 
 class OutlineFacts:
-    """Facts of an outline whose coinciding points are taken as one.
+    """Facts of an outline whose coinciding points are merged.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class OutlineFacts:
 
     @cached_property
     def end_gaps(self) -> FloatArray:
-        """Distance from each open end to the nearest other one, shape (n,) or (0,)."""
+        """Distance from each open end to the nearest other open end, shape (n,) or (0,)."""
         ends = self.points[np.flatnonzero(self.boundary)]
         if len(ends) < 2:
             return np.empty(0)

@@ -1,4 +1,4 @@
-"""Geometry files inside installed packages, which are read there and not copied."""
+"""Find geometry files inside installed packages, where they are read without a copy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A remark on a geometry: what was left out, changed or noted."""
+"""A remark on what was left out, changed or noted when a geometry was read."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ class Remark:
     Parameters
     ----------
     effect
-        "left out" for what is in the file and not in the geometry, "changed" for what is in the
-        geometry in another form, "noted" for what is read unchanged but looks wrong.
+        "left out" if the geometry lacks something in the file, "changed" if the geometry has it in
+        another form, "noted" if it is read unchanged but looks wrong.
     what
         The kind of thing, as a plural noun with its place where it has one: "text entities",
         "triangles without area", "rings of feature 7".
     count
         How many there are.
     remedy
-        What the user can do about it, empty where nothing needs to be done.
+        What the user can do about it; empty if nothing needs to be done.
     """
 
     effect: Literal["left out", "changed", "noted"]

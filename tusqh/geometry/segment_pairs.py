@@ -1,7 +1,7 @@
-"""Which segments cross, touch or overlap: the predicates behind `describe_defects`.
+"""Determine which segments cross, touch or overlap: the predicates of `describe_defects`.
 
-Two segments that share an end point are told from two that cross by comparing coordinates
-exactly.  All other decisions use one tolerance, the rounding of the coordinates themselves.
+Coordinates are compared exactly to distinguish two segments that share an end point from two that
+cross.  All other decisions use one tolerance, the rounding of the coordinates.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ ROUNDING_ULPS = 8.0
 
 @dataclass(frozen=True)
 class SegmentPairs:
-    """What pairs of segments do to each other.
+    """Pairs of segments that cross, overlap or touch.
 
     Parameters
     ----------
@@ -30,10 +30,9 @@ class SegmentPairs:
         Pairs that are collinear and share a positive length without being the same, shape
         (m, 2).
     shared_lengths
-        Length each pair of `overlaps` shares, shape (m,), in the units of the model.
+        Length that each pair of `overlaps` shares, shape (m,), in the units of the model.
     touching
-        Numbers of the end points that lie inside another segment, shape (k,), sorted, without
-        repetition.
+        Indices of the end points that lie inside another segment, shape (k,), sorted and unique.
     """
 
     crossings: IntArray
@@ -60,12 +59,12 @@ def rounding_of(points: FloatArray) -> float:
 
 
 def compare_segments(points: FloatArray, segments: IntArray) -> SegmentPairs:
-    """Return how segments of positive length meet, apart from sharing end points.
+    """Return how segments of positive length meet, other than by sharing end points.
 
     Parameters
     ----------
     points
-        Distinct points, shape (n, 2): equal numbers mean equal coordinates.
+        Distinct points, shape (n, 2); equal coordinates have equal indices.
     segments
         Start and end point of every segment, shape (m, 2).  Segments of zero length meet
         nothing.
@@ -80,7 +79,7 @@ def compare_segments(points: FloatArray, segments: IntArray) -> SegmentPairs:
     tolerance = rounding_of(points)
     first, second = _near_pairs(points, segments, tolerance).T
     starts, ends = points[segments[:, 0]], points[segments[:, 1]]
-    # The longer one is the reference line: directions of short segments are ill-defined.
+    # The longer segment is the reference line, because short segments have ill-defined directions.
     lengths = np.linalg.norm(ends - starts, axis=1)
     swap = lengths[first] < lengths[second]
     first, second = np.where(swap, second, first), np.where(swap, first, second)
@@ -137,7 +136,7 @@ def _near_pairs(points: FloatArray, segments: IntArray, tolerance: float) -> Int
 def _relative(
     point: FloatArray, start: FloatArray, end: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return how far along and how far off (left positive) a segment points lie, shape (n,)."""
+    """Return the positions of points along and off (left positive) a segment, shape (n,) each."""
     direction = end - start
     length = np.linalg.norm(direction, axis=1)
     offset = point - start
@@ -147,10 +146,10 @@ def _relative(
 
 
 def _on_both_sides(off: FloatArray, other: FloatArray, tolerance: float) -> BoolArray:
-    """Whether two distances from a line lie strictly on its two sides."""
+    """Return whether two signed distances from a line lie strictly on opposite sides."""
     return (np.minimum(off, other) < -tolerance) & (np.maximum(off, other) > tolerance)
 
 
 def _inside(along: FloatArray, length: FloatArray, tolerance: float) -> BoolArray:
-    """Whether a position along a segment is between its ends and at neither."""
+    """Return whether a position along a segment lies strictly between its ends."""
     return (along > tolerance) & (along < length - tolerance)

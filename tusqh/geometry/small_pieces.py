@@ -1,4 +1,4 @@
-"""Polygons smaller than a cell of the grid, which a mesh may not have."""
+"""Report polygons smaller than a grid cell, which a mesh may miss."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from tusqh.grid import BackgroundGrid, BoolArray
 def remarks_on_small_polygons(
     outline: Outline, grid: BackgroundGrid, is_kept: BoolArray, *, is_outside: bool = False
 ) -> tuple[Remark, ...]:
-    """Return a remark on the closed chains smaller than a cell that a mesh does not show.
+    """Return a remark on the closed chains smaller than a cell that a mesh misses.
 
-    A chain is shown where the cell at the middle of its bounding box is kept, or, for a hole, is
-    not kept.
+    The mesh shows a chain if the cell at the middle of its bounding box is kept, or, for a hole,
+    is not kept.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ def remarks_on_small_polygons(
     is_kept
         Cells of the mesh, shape n.
     is_outside
-        Whether the mesh is of what the outline leaves out.
+        Whether the mesh covers the region outside the outline.
 
     Returns
     -------

@@ -28,15 +28,16 @@ class Soup:
     triangles
         Corners of every triangle, counter-clockwise seen from outside, shape (m, 3).
     parts
-        For every triangle the number of the part (object, solid, shell) of the file it belongs
-        to, shape (m,).
+        Number of the part (object, solid or shell of the file) to which each triangle belongs,
+        shape (m,).
     name
         Where it came from, for messages.
 
     Raises
     ------
     GeometryError
-        No triangles, corners out of range, coordinates that are not finite, or no extent.
+        There are no triangles, corners are out of range, coordinates are not finite, or the soup
+        has no extent.
 
     Examples
     --------
@@ -99,21 +100,21 @@ class Soup:
         return tuple(used.min(axis=0).tolist()), tuple(used.max(axis=0).tolist())
 
     def matched(self) -> tuple[FloatArray, IntArray]:
-        """Return points and triangles with points of equal coordinates taken as one.
+        """Return points and triangles after merging points with equal coordinates.
 
         Returns
         -------
         points : numpy.ndarray
             Distinct points, shape (n, 3).
         triangles : numpy.ndarray
-            Their numbers at the corners of every triangle, shape (m, 3).
+            Indices of the points at the corners of every triangle, shape (m, 3).
         """
         points, number = match_points(self.points)
         return points, number[self.triangles]
 
     @classmethod
     def from_parts(cls, parts: Sequence[Part], *, name: str = "soup") -> Soup:
-        """Return the soup of parts, each with points and triangles of its own.
+        """Return the soup of parts, each with its own points and triangles.
 
         Parameters
         ----------

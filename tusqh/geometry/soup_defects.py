@@ -91,7 +91,7 @@ def _signed_volume(facts: SoupFacts) -> Found:
 
 
 def _chosen(facts: SoupFacts, is_chosen: BoolArray) -> Found:
-    """Return number and total length of some edges."""
+    """Return the number and total length of the chosen edges."""
     return int(is_chosen.sum()), float(facts.edge_lengths[is_chosen].sum())
 
 

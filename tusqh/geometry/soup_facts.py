@@ -1,4 +1,4 @@
-"""What the defects of a soup are found from; each fact is computed once, when it is needed."""
+"""Facts that determine the defects of a soup, each computed once, when it is needed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FLAT_HEIGHT = 1e-12
 
 
 class SoupFacts:
-    """Facts of a soup whose coinciding points are taken as one.
+    """Facts of a soup whose coinciding points are merged.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ class SoupFacts:
 
     @cached_property
     def n_self_intersecting(self) -> int:
-        """Number of triangles that cross another one; -1 where pymeshlab cannot run."""
+        """Number of triangles that cross another one; -1 if pymeshlab cannot run."""
         try:
             import pymeshlab
 

@@ -1,4 +1,4 @@
-"""What an image of voxels holds, in the rows of the table of defects."""
+"""The contents of a voxel image, as rows of the table of defects."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The background grid, its numbering conventions, and the neighbourhoods of its cells.
 
-Arrays are indexed ``[i, j]`` or ``[i, j, k]`` = (x, y[, z]), C order.  A grid of shape
+Arrays in C order are indexed ``[i, j]`` or ``[i, j, k]`` = (x, y[, z]).  A grid of shape
 ``n = (nx, ny)`` has cells ``0 <= i < nx`` and grid vertices ``0 <= i <= nx``::
 
       (0,2)---(1,2)---(2,2)

@@ -1,4 +1,4 @@
-"""Types of arrays; shapes, units and order are stated where an array is used."""
+"""Array types; shapes, units and order are documented where an array is used."""
 
 from __future__ import annotations
 

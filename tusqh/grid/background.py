@@ -1,4 +1,4 @@
-"""The background grid: equal cubic cells over a box."""
+"""The background grid of equal cubic cells over a box."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class BackgroundGrid:
 
     @property
     def label(self) -> str:
-        """The shape as text, ``60x79``."""
+        """The shape as text, such as ``60x79``."""
         return "x".join(str(n) for n in self.shape)
 
     def padded(self) -> BackgroundGrid:
@@ -135,10 +135,10 @@ class BackgroundGrid:
         lower, upper
             Corners of the box, in the units of the model.
         cells
-            Cells along the longest side (an int), or along each axis; the cells are cubes, so
-            the axis that needs the largest ones decides and the others get some slack.
+            Cells along the longest side (an int), or along each axis; the cells are cubes, so the
+            axis that needs the largest ones determines their size and the others get some slack.
         cell_size
-            Edge length of a cell instead of a number of cells.
+            Edge length of a cell, instead of a number of cells.
 
         Raises
         ------

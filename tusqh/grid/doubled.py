@@ -1,4 +1,4 @@
-"""The doubled grid: the primal cells of all dimensions in one array.
+"""The doubled grid, which holds the primal cells of all dimensions in one array.
 
 The doubled grid (Khalimsky grid) of shape ``2 n + 1`` has a place for every cell, face, edge and
 vertex.  Along each axis an odd index is the open body of a cell and an even one a grid plane::
@@ -91,7 +91,7 @@ def place_dimensions(shape: tuple[int, ...]) -> IntArray:
 
 
 def cells_around(parity: Offset) -> list[Offset]:
-    """Return the offsets from a place to the cells that touch it, the first axis slowest.
+    """Return the offsets from a place to the cells that touch it; the first axis varies slowest.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def unit_offsets(dim: int) -> list[Offset]:
 
 
 def as_layer(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
-    """Return a doubled array in space; one in the plane becomes a layer of cells, x first.
+    """Return a doubled array in space; an array in the plane becomes a layer of cells.
 
     The layer has index 1 along the new first axis: its cells, edges and vertices in the plane are
     cells, faces and edges in space.  The layers 0 and 2 are zero.
@@ -148,7 +148,7 @@ def as_layer(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
 
 
 def marked_edges(is_marked: BoolArray) -> FloatArray:
-    """Return both ends of the marked edges, those along the first axis first.
+    """Return both ends of the marked edges, ordered by axis.
 
     Parameters
     ----------

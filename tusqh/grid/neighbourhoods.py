@@ -1,11 +1,11 @@
-"""Neighbourhoods as shifted views: cells around vertices and edges, corners and faces of cells.
+"""Return neighbourhoods as shifted views: cells around vertices and edges, corners, faces.
 
 A value per cell has shape n, a value per grid vertex shape ``n + 1``, a value per grid edge along
 an axis shape n along that axis and ``n + 1`` along the others.  Cells outside the grid have the
 value 0 (False).
 
-The cells around a vertex come in the order of their bits: bit ``axis`` of a cell's number is set
-when it lies on the upper side along that axis.  Around an edge only the other axes count::
+The cells around a vertex are in the order of their bits: bit ``axis`` of a cell's number is set if
+it lies on the upper side along that axis.  Around an edge only the other two axes count::
 
       +-----+-----+
       |  2  |  3  |        in 2D: 0 lower left, 1 lower right,
@@ -35,7 +35,7 @@ def along(axis: int, start: int | None, stop: int | None) -> tuple[slice, ...]:
     axis
         The axis.
     start, stop
-        The range, as of a slice.
+        The range, as in a slice.
 
     Returns
     -------
@@ -132,7 +132,8 @@ def around_edges(cells: Array, axis: int) -> list[Array]:
     Returns
     -------
     around
-        Four arrays, in the order of their bits; their shape is n along the axis, else ``n + 1``.
+        Four arrays, in the order of their bits; their shape is n along the axis and ``n + 1`` along
+        the others.
     """
     padded = np.pad(cells, [(0, 0) if k == axis else (1, 1) for k in range(3)])
     across = [k for k in range(3) if k != axis]
@@ -152,7 +153,7 @@ def is_full(around: list[Array]) -> BoolArray:
 
 
 def is_diagonal(four: list[Array]) -> BoolArray:
-    """Return where exactly two opposite ones of four cells are kept: where an edge is a pinch.
+    """Return where exactly two opposite cells out of four are kept, so that an edge is a pinch.
 
     Parameters
     ----------

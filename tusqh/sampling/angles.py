@@ -1,9 +1,9 @@
 """Exact winding numbers of triangles and segments at many points at once.
 
 The half solid angle of a triangle is the argument of a complex number (van Oosterom and Strackee,
-1983), the angle of a segment that of the product of two.  Angles add up by multiplying the numbers:
-one arctangent per point instead of one per point and triangle, in loops that compilers turn into
-vector instructions.  Whole turns are counted at the crossings of the negative real axis.
+1983); the angle of a segment is the argument of a product of two.  Multiplying the numbers adds
+their angles, so one arctangent per point replaces one per point and triangle, in loops that
+compilers vectorize.  Whole turns are counted where the product crosses the negative real axis.
 
 All compiled functions that call one another are in this file: numba's cache on disk notices a
 changed file, but not a changed callee in another file (`tests/test_structure.py`).
@@ -19,20 +19,20 @@ from tusqh.sampling.kernel_arguments import Ball, Points
 #: Factors that are multiplied before the product is scaled back: with coordinates of up to 1e6
 #: steps of the lattice, no product of this many factors over- or underflows.
 _FACTORS = 8
-#: Angles up to this are summed by their series.
+#: Angles up to this are computed from the series of the arctangent.
 _SMALL = 0.3
-#: Distance of a block's centre to a triangle, in sides of the block, from which it is far.
+#: A triangle is far from a block if its distance to the block's centre is at least this many sides.
 FAR = 1.5
-#: Number of far triangles from which filling the inside of a block from its surface is faster.
+#: From this number of far triangles, filling the inside of a block from its surface is faster.
 _MANY = 24
-#: Terms that are added in single precision before they join the sum in double precision.
+#: Number of terms added in single precision before their sum is added in double precision.
 _PARTS = 16
 _ONE, _THIRD, _FIFTH, _SEVENTH, _NINTH = (np.float32(1 / k) for k in (1, 3, 5, 7, 9))
 
 
 @numba.njit(cache=True, error_model="numpy", inline="always")
 def _normal_of(corner):  # type: ignore[no-untyped-def]
-    """Return the normal of a triangle, twice its area long, or of a segment, its length long."""
+    """Return the normal of a triangle (length: twice its area) or of a segment (its length)."""
     if corner.shape[0] == 2:
         return corner[1, 2] - corner[0, 2], 0.0, corner[0, 0] - corner[1, 0]
     u_x, v_x = corner[1, 0] - corner[0, 0], corner[2, 0] - corner[0, 0]
@@ -72,7 +72,7 @@ def _segment_number(corner, n_x, n_z, x, z):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, error_model="numpy")
 def _wind(points, n, pieces, chosen, work, winding):  # type: ignore[no-untyped-def]
-    """Add the winding numbers of chosen pieces at points anywhere.
+    """Add the winding numbers of chosen pieces at arbitrary points.
 
     A point on a triangle gets +1/2 from it; at a corner, or in the triangle's plane outside it, the
     contribution is 0.
@@ -80,17 +80,17 @@ def _wind(points, n, pieces, chosen, work, winding):  # type: ignore[no-untyped-
     Parameters
     ----------
     points
-        `Points`, of which the first `n` count.
+        `Points`; only the first `n` are used.
     n
         Number of points.
     pieces
         `Pieces`.
     chosen
-        Numbers of those to add.
+        Indices of the pieces to add.
     work
-        Scratch, shape (5, k) with k at least n.
+        Scratch array, shape (5, k) with k at least n.
     winding
-        Added to, shape (k,), dimensionless.
+        Winding numbers to add to, shape (k,), dimensionless.
     """
     p_x, p_y, p_z = points.x, points.y, points.z
     corners, multiplicity = pieces.corners, pieces.multiplicity
@@ -128,18 +128,18 @@ def _wind(points, n, pieces, chosen, work, winding):  # type: ignore[no-untyped-
 
 @numba.njit(cache=True, error_model="numpy", fastmath={"contract"})
 def _wind_from_afar(points, ball, pieces, chosen, winding):  # type: ignore[no-untyped-def]
-    """Add the winding numbers of far pieces, in single precision where they are small.
+    """Add the winding numbers of far pieces, in single precision if their angles are small.
 
     Parameters
     ----------
     points
-        `Points` in the ball, from its centre.
+        `Points` in the ball, relative to its centre.
     ball
-        A `Ball` that all chosen pieces are far from.
+        A `Ball` from which all chosen pieces are far.
     pieces, chosen
         As in `_wind`.
     winding
-        Added to, shape (n,), dimensionless.
+        Winding numbers to add to, shape (n,), dimensionless.
 
     Notes
     -----
@@ -164,7 +164,7 @@ def _wind_from_afar(points, ball, pieces, chosen, winding):  # type: ignore[no-u
         distance = max(distance, clearance)
         m_x, m_y, m_z = _normal_of(corner)
         size = np.sqrt(m_x * m_x + m_y * m_y + m_z * m_z)
-        # Half of the greatest solid angle of that area; the greatest angle of that length.
+        # Upper bound of half the solid angle (triangle) or of the angle (segment).
         largest = size / (4 * distance * distance) if n_corners == 3 else size / distance
         if largest > _SMALL:
             moved = Points(p_x + c_x, p_y + c_y, p_z + c_z)
@@ -211,9 +211,9 @@ def _scale(x, y, n):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, error_model="numpy", parallel=True)
 def add_far(pieces, blocks, nodes, far, values, is_single):  # type: ignore[no-untyped-def]
-    """Add the pieces that are far from each block at its nodes.
+    """Add the winding numbers of the far pieces of each block at its nodes.
 
-    Where there are many, only at the nodes on the surface: `NodeTables.fill` gives those inside.
+    With many far pieces, only the surface nodes are evaluated; `NodeTables.fill` gives the others.
 
     Parameters
     ----------
@@ -226,7 +226,7 @@ def add_far(pieces, blocks, nodes, far, values, is_single):  # type: ignore[no-u
     far
         `Lists` of the far pieces of each block.
     values
-        Winding numbers at the nodes, added to, shape (n_blocks, n_nodes), dimensionless.
+        Winding numbers at the nodes to add to, shape (n_blocks, n_nodes), dimensionless.
     is_single
         Whether single precision suffices.
     """
@@ -274,7 +274,7 @@ def add_far(pieces, blocks, nodes, far, values, is_single):  # type: ignore[no-u
 
 @numba.njit(cache=True, error_model="numpy", parallel=True)
 def add_near(pieces, blocks, side, samples, near, sums):  # type: ignore[no-untyped-def]
-    """Add the pieces that are near each block at its samples, summed over half-blocks.
+    """Add the winding numbers of the near pieces of each block, summed over half-blocks.
 
     Parameters
     ----------
@@ -283,13 +283,13 @@ def add_near(pieces, blocks, side, samples, near, sums):  # type: ignore[no-unty
     blocks
         Lowest half-block of each block, shape (n_blocks, 3).
     side
-        Half-blocks along each side of a block, shape (3,).
+        Number of half-blocks along each side of a block, shape (3,).
     samples
         `Samples`.
     near
         `Lists` of the near pieces of each block.
     sums
-        Sums over the samples of each half-block, added to, dimensionless.
+        Sums over the samples of each half-block to add to, dimensionless.
     """
     begin, half, first, last = samples.begin, samples.half, samples.first, samples.last
     size = side * half

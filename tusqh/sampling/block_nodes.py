@@ -1,7 +1,7 @@
 """The nodes of a block of samples, and interpolation from them.
 
-Chebyshev's nodes with both ends along each axis; a polynomial through the values at them replaces
-the winding number of far triangles (see `tusqh.sampling.cap_field`).
+The nodes are Chebyshev nodes with both end points along each axis; a polynomial through the values
+at them replaces the winding number of far triangles (see `tusqh.sampling.cap_field`).
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import numpy as np
 from tusqh.grid import FloatArray, IntArray
 from tusqh.sampling.kernel_arguments import NodeTables
 
-#: Convergence of the interpolation per node at that distance.
+#: Factor by which each further node reduces the interpolation error of far triangles.
 _RHO = 3.9
-#: Error of the interpolation at N nodes over ``_RHO ** -N``, with a margin (measured).
+#: Ratio of the interpolation error at N nodes to ``_RHO ** -N``, with a margin (measured).
 _ERROR = 0.15
 
 
@@ -43,16 +43,17 @@ class BlockNodes:
     Parameters
     ----------
     places
-        For each axis the nodes in [0, 1].
+        Coordinates of the nodes along each axis, in [0, 1].
     counts
-        Nodes along each axis, shape (3,).
+        Number of nodes along each axis, shape (3,).
     halves
-        For each axis matrices, shape (2, n, n), from values at nodes to those at the nodes of the
-        lower and the upper half; shape (1, 1, 1) for the axis of a single layer.
+        Matrices for each axis, shape (2, n, n), that map values at the nodes to values at the nodes
+        of the lower and of the upper half; shape (1, 1, 1) for the axis of a single layer.
     surface, inside
-        Numbers of the nodes on the surface and inside, in C order.
+        Indices of the nodes on the surface and inside, in C order.
     fill
-        From values on the surface to those inside, of harmonic functions: shape (on it, inside).
+        Matrix that maps the surface values of a harmonic function to its values inside, shape
+        (n_surface, n_inside).
     """
 
     places: list[FloatArray]
@@ -70,9 +71,9 @@ class BlockNodes:
         Parameters
         ----------
         n
-            Nodes along each axis.
+            Number of nodes along each axis.
         is_plane
-            Whether the lattice has a single layer; there is one node along its axis.
+            Whether the lattice has a single layer, which gets one node along its axis.
         """
         counts = np.array([n, 1 if is_plane else n, n])
         line = -np.cos(np.pi * np.arange(n) / (n - 1))
@@ -83,7 +84,7 @@ class BlockNodes:
             else np.stack([interpolation(n, (line + o) / 2) for o in (-1, 1)])
             for m in counts
         ]
-        # Second derivatives at the nodes; harmonic: those along all axes add up to zero inside.
+        # Second derivatives at the nodes: for a harmonic function their sum over the axes is zero.
         basis = np.polynomial.chebyshev.Chebyshev
         second = np.stack([basis.basis(k).deriv(2)(line) for k in range(n)], axis=1)
         second = second @ np.linalg.inv(np.polynomial.chebyshev.chebvander(line, n - 1))
@@ -107,13 +108,13 @@ class BlockNodes:
 
     @property
     def tables(self) -> NodeTables:
-        """The nodes as compiled functions take them."""
+        """The nodes in the form that compiled functions take."""
         x, y, z = self.places
         return NodeTables(x, y, z, self.surface, self.inside, self.fill)
 
 
 def interpolation(n: int, places: FloatArray) -> FloatArray:
-    """Return the matrix from values at nodes to values of their polynomial.
+    """Return the matrix that maps values at nodes to values of the interpolating polynomial.
 
     Parameters
     ----------

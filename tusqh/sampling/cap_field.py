@@ -1,22 +1,23 @@
 r"""Sums of the winding number of a cap over half-blocks of samples, by a tree of blocks.
 
-Away from a triangle its winding number is harmonic, so over a block that keeps its distance a
-polynomial through few nodes replaces it.  Blocks are halved from large to small::
+Away from a triangle its winding number is harmonic, so a polynomial through a few nodes replaces
+it over a block that is far from the triangle.  Blocks are halved from large to small::
 
-    block    values at N x N x N nodes: of all triangles that are far from this block and from no
-      |      larger one, exactly; of those far from larger blocks, by the larger block's polynomial
-    half     the same, for the triangles that were near
+    block    values at N x N x N nodes: exact for triangles that are far from this block but from no
+      |      larger one; for those far from a larger block, from the larger block's polynomial
+    half     the same, for the triangles that were near the block
       :
-    leaf     what is near still: exactly, at every sample
+    leaf     the remaining near triangles: exact, at every sample
 
-Each triangle is seen by each sample once.  A block whose near triangles run out is done: its
-polynomial gives the sums over all its half-blocks, by weights that add up the samples.
+Every sample counts every triangle exactly once.  A block without near triangles is finished: its
+polynomial gives the sums over all its half-blocks, with weights that add up the samples.
 
-The nodes are Chebyshev's with both ends, so most of them lie on the surface of the block, and as
-the function is harmonic those on the surface decide the ones inside: where many triangles are far,
-only the surface is evaluated.  The interpolation converges like ``rho^-N``, where the nearest
-triangle lies on the boundary of the Bernstein ellipse ``rho`` of a coordinate; at `FAR` sides from
-the block's centre ``rho`` is at least 3.9, in the corner towards the triangle (docs/sampling.md).
+The nodes are Chebyshev nodes with both end points, so most of them lie on the surface of the block.
+Since the function is harmonic, its values on the surface determine those inside, so with many far
+triangles only the surface is evaluated.  The interpolation converges like ``rho^-N``, where the
+nearest triangle lies on the boundary of the Bernstein ellipse ``rho`` of a coordinate; at `FAR`
+sides from the block's centre ``rho`` is at least 3.9, in the corner towards the triangle
+(docs/sampling.md).
 """
 
 from __future__ import annotations
@@ -54,7 +55,7 @@ def add_cap(
     begin, end
         Range of half-blocks along x.
     sums
-        Sums over the samples of each half-block, shape (end - begin, n_y, n_z); added to.
+        Sums over the samples of each half-block to add to, shape (end - begin, n_y, n_z).
     tolerance
         Largest error of a fraction, dimensionless.
     """
@@ -98,7 +99,7 @@ def add_cap(
 def _weights(
     lattice: Lattice, side: IntArray, begin: int, end: int, n_nodes: IntArray
 ) -> list[FloatArray]:
-    """Return for each axis the weights, shape (half-blocks, nodes), from values to sums."""
+    """Return the weights from node values to sums for each axis, shape (half-blocks, nodes)."""
     weights = []
     for axis in range(3):
         n, half = int(n_nodes[axis]), int(lattice.half[axis])
@@ -121,7 +122,7 @@ def _halve(
     shape: IntArray,
     nodes: BlockNodes,
 ) -> tuple[IntArray, FloatArray, Lists]:
-    """Return the halves inside the lattice of the blocks with near triangles, as a new level."""
+    """Return the next level: the halves, inside the lattice, of blocks with near triangles."""
     parents = np.flatnonzero(np.diff(near.start))
     offsets = np.stack(
         np.meshgrid(*[np.arange(len(h)) for h in nodes.halves], indexing="ij"), axis=-1
@@ -130,7 +131,7 @@ def _halve(
     is_inside = (children < shape).all(axis=2)
     parent = np.repeat(parents, is_inside.sum(axis=1))
     which = np.broadcast_to(offsets, children.shape)[is_inside]
-    # Every n-th block to the same thread: near ones lie together and cost alike.
+    # Every n-th block goes to the same thread, because neighbouring blocks have a similar cost.
     n_threads = numba.get_num_threads()
     order = np.concatenate([np.arange(k, len(parent), n_threads) for k in range(n_threads)])
     parent, which, children = parent[order], which[order], children[is_inside][order]
@@ -213,7 +214,7 @@ def _distance(p, corner):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, error_model="numpy", parallel=True)
 def _split_lists(pieces, centre, side, lists):  # type: ignore[no-untyped-def]
-    """Split the list of each block into the pieces far from it and those near."""
+    """Split the list of each block into the pieces that are far from it and those near it."""
     corners, middle, reach = pieces.corners, pieces.middle, pieces.reach
     listed, start = lists.pieces, lists.start
     n = len(centre)

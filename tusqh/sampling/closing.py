@@ -1,16 +1,17 @@
 r"""Split a geometry into a closed cycle and a small cap: ``soup = cycle + cap``.
 
 The boundary of the soup is a 1-cycle with integer multiplicities; any chain of triangles with the
-same boundary is a cap.  The winding number of ``soup - cap`` is an integer everywhere, so that
-counting crossings is enough for it; all fractions of turns come from the cap (algorithm 1).
-The smaller the cap, the cheaper:
+same boundary is a cap.  The winding number of ``soup - cap`` is an integer everywhere, so counting
+crossings suffices for it; only the cap contributes fractions of a turn (algorithm 1).
+A smaller cap costs less:
 
-* a sheet with as many boundary edges as triangles is its own cap, nothing of it is closed;
-* both sides of a crack are contracted to points between them: slivers instead of fans;
-* what is left falls apart into simple loops; three edges are a triangle, more a fan.
+* a sheet with at least as many boundary edges as triangles is its own cap and is not closed;
+* both sides of a crack are contracted to points between them, which gives slivers, not fans;
+* the remaining boundary is split into simple loops: a triangle closes a loop of three edges, a fan
+  closes a longer one.
 
-Points that the cap adds lie a little off every plane and line of the loop, so that no sample lies
-on an edge inside the cap by more than a coincidence of rounding.
+The cap's additional points lie slightly off every plane and line of the loop, so a sample can lie
+on an edge inside the cap only through a coincidence of rounding.
 """
 
 from __future__ import annotations
@@ -33,9 +34,10 @@ from tusqh.geometry.outline import Outline
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BoolArray, FloatArray, IntArray
 
-#: Displacement of added points, as a part of the loop's size, without a rational relation.
+#: Displacement of added points, as a fraction of the loop's size; the components have irrational
+#: ratios.
 _OFF = np.array([1.0e-3 / np.sqrt(2), 1.0e-3 / np.sqrt(3), 1.0e-3 / np.sqrt(5)])
-#: A crack is closed where its sides are nearer than this part of the shortest edges beside them.
+#: A crack is closed where its sides are nearer than this fraction of the shortest adjacent edge.
 _CRACK = 0.5
 
 
@@ -48,7 +50,7 @@ class Chain:
     corners
         Coordinates, shape (m, 3, 3) for triangles; for segments (m, 2, 3) in the plane y = 0.
     multiplicity
-        How often each counts, shape (m,).
+        Signed number of times each one counts, shape (m,).
     """
 
     corners: FloatArray
@@ -64,14 +66,14 @@ def close(geometry: Soup | Outline) -> tuple[Chain, Chain]:
     Parameters
     ----------
     geometry
-        A soup or an outline; nothing about it is assumed.
+        A soup or an outline, which may have any defects.
 
     Returns
     -------
     cycle
         A chain without a boundary.
     cap
-        The rest, as small as a few rules make it.
+        The geometry less the cycle, kept small by a few rules.
 
     Examples
     --------
@@ -109,7 +111,7 @@ def _close_soup(soup: Soup) -> tuple[Chain, Chain]:
 
 
 def _close_outline(outline: Outline) -> tuple[Chain, Chain]:
-    """Join every end point to a common one; an outline with as many ends is its own cap."""
+    """Join the end points; an outline with as many ends as segments is its own cap."""
     points, number = match_points(outline.points)
     segments = number[outline.segments]
     ends, net = boundary_points(segments, len(points))
@@ -127,10 +129,10 @@ def _close_outline(outline: Outline) -> tuple[Chain, Chain]:
 
 
 def _join_ends(flat: FloatArray, ends: IntArray, net: IntArray) -> tuple[FloatArray, IntArray]:
-    """Return segments whose end points are the given ones: near pairs first, the rest to a centre.
+    """Return segments with the given end points: join near pairs, then the rest to a centre.
 
-    Each end gets a point in the middle of the pair, a little off the line between the two, so that
-    no sample lies on the new segments.
+    Both ends of a pair are joined to a point midway, slightly off the line between them, so that no
+    sample lies on the new segments.
     """
     places = flat[ends]
     left = net.copy()
@@ -166,7 +168,7 @@ def _own_caps(triangles: IntArray, edges: IntArray, net: IntArray, n_points: int
     m = len(triangles)
     nothing: BoolArray = np.zeros(m, dtype=bool)
     if np.abs(net).sum() * 8 < m and len(edges) * 8 < m:
-        return nothing  # Hardly open: not worth looking for sheets.
+        return nothing  # With so few open edges, sheets are not worth finding.
     sides = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     sides.sort(axis=1)
     _, of_side = np.unique(sides @ np.array([n_points, 1]), return_inverse=True)
@@ -183,7 +185,7 @@ def _own_caps(triangles: IntArray, edges: IntArray, net: IntArray, n_points: int
 
 
 def _zip_cracks(points: FloatArray, edges: IntArray, net: IntArray) -> Chain | None:
-    """Return a cap that contracts near points of the boundary in pairs; None without pairs."""
+    """Return a cap that contracts near boundary points in pairs, or None if there are no pairs."""
     if len(edges) == 0:
         return None
     used, ends = np.unique(edges, return_inverse=True)
@@ -204,7 +206,7 @@ def _zip_cracks(points: FloatArray, edges: IntArray, net: IntArray) -> Chain | N
     to = itself.copy()
     to[a] = to[b] = len(used) + np.arange(len(a))
     everything = np.concatenate([places, middle])
-    # A strip between each edge and its image; triangles that lost a corner are left out.
+    # Put a strip between each edge and its image, without triangles whose corners coincide.
     s, e = ends.T
     strips = np.concatenate([np.stack([s, e, to[e]], 1), np.stack([s, to[e], to[s]], 1)])
     is_flat = (strips[:, 0] == strips[:, 1]) | (strips[:, 1] == strips[:, 2])
@@ -219,7 +221,7 @@ def _zip_cracks(points: FloatArray, edges: IntArray, net: IntArray) -> Chain | N
 
 
 def _fan_loops(points: FloatArray, edges: IntArray, net: IntArray) -> Chain:
-    """Return triangles over three edges and fans over more, for every simple loop of a cycle."""
+    """Return a triangle for each simple loop of three edges in a cycle, a fan for a longer one."""
     if len(edges) == 0:
         return Chain(np.empty((0, 3, 3)), np.empty(0, dtype=np.int64))
     forward = np.where((net > 0)[:, None], edges, edges[:, ::-1])
@@ -246,7 +248,7 @@ def _fan_loops(points: FloatArray, edges: IntArray, net: IntArray) -> Chain:
 
 
 def _unite(triangles: IntArray) -> tuple[IntArray, IntArray]:
-    """Return triangles with equal and opposite ones added up, and how often each counts."""
+    """Return distinct triangles and their multiplicities; opposite copies cancel."""
     lowest = triangles.argmin(axis=1)
     turned = np.take_along_axis(triangles, (lowest[:, None] + np.arange(3)) % 3, axis=1)
     is_odd = turned[:, 1] > turned[:, 2]
@@ -258,10 +260,10 @@ def _unite(triangles: IntArray) -> tuple[IntArray, IntArray]:
 
 @numba.njit(cache=True)
 def _walk_loops(directed, n_points):  # type: ignore[no-untyped-def]
-    """Take a balanced graph of directed edges apart into simple loops.
+    """Split a balanced graph of directed edges into simple loops.
 
-    Walks along unused edges; whenever the walk meets itself the loop is cut off, so loops are
-    short.  Returns the points of all loops one after another, and where each loop starts.
+    Walk along unused edges and cut off a loop whenever the walk meets itself, so that loops are
+    short.  Return the points of all loops one after another, and the start of each loop.
     """
     n = len(directed)
     first = np.zeros(n_points + 1, dtype=np.int64)
@@ -308,13 +310,13 @@ def _walk_loops(directed, n_points):  # type: ignore[no-untyped-def]
 
 
 def _displaced(points: FloatArray, extent: FloatArray) -> FloatArray:
-    """Return points moved by a small part of an extent, shape (n, 3) or (n, 1), off all planes."""
+    """Return points moved off all planes by a fraction of an extent, shape (n, 3) or (n, 1)."""
     size = np.linalg.norm(np.atleast_2d(extent), axis=1, keepdims=True)
     return np.asarray(points + size * _OFF)
 
 
 def _area(cap: Chain) -> float:
-    """Return the area of a cap, every triangle as often as it counts."""
+    """Return the area of a cap, weighted by the multiplicities of its triangles."""
     sides = cap.corners[:, 1:] - cap.corners[:, :1]
     areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
     return float((areas * np.abs(cap.multiplicity)).sum())

@@ -1,13 +1,13 @@
 """Sums of the integer winding number of a cycle over half-blocks of samples.
 
 Along a lattice line the winding number of a closed cycle changes only where the line crosses it,
-so a crossing adds a run of samples to the half-blocks below it: whole blocks by a difference array,
-the one it ends in by itself, no sample is touched (algorithm 1).
+so a crossing adds a run of samples to the half-blocks below it.  A difference array records the
+whole blocks, a second array the partial block; no sample is visited (algorithm 1).
 
-Which side of an edge a line passes is decided from the edge's lower to its upper end, whichever
-triangle asks, and ties go one way by half-open comparisons (the line is moved by an infinitesimal
-amount, to +x and then +y): neighbours agree to the last bit, the crossings along every line add up
-to zero, and all sums are of integers, so that neither chunks nor threads change a bit.
+The side on which a line passes an edge is always computed from the edge's lower to its upper end,
+for either triangle, and half-open comparisons break ties (they move the line by an infinitesimal
+amount, to +x and then +y).  So neighbours agree to the last bit, the crossings along every line add
+up to zero, and all sums are sums of integers, which neither chunks nor threads change.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from tusqh.sampling.lattice import Lattice
 
 #: Parts of the lattice along x that are scanned side by side.
 _CHUNKS = 16
-#: A triangle is a wall, met by a line along z anywhere or nowhere, where its normal leans less.
+#: A triangle is a wall, parallel to the lines along z, if the z part of its normal is at most this.
 _STEEP = 1e-9
-#: Samples nearer to a cap, in steps of the lattice, lie on it as far as rounding can tell.
+#: A sample nearer to a cap than this, in steps of the lattice, lies on it up to rounding.
 _NEAR = 1e-9
 
 
@@ -33,8 +33,8 @@ def add_crossings(chain: Chain, lattice: Lattice, begin: int, end: int, sums: Fl
     Parameters
     ----------
     chain
-        Closed: triangles without a boundary, or segments without end points, with coordinates in
-        steps of the lattice from its first sample.
+        A closed chain of triangles (without a boundary) or segments (without end points), with
+        coordinates in steps of the lattice from its first sample.
     lattice
         The samples.
     begin, end
@@ -62,8 +62,8 @@ def add_crossings(chain: Chain, lattice: Lattice, begin: int, end: int, sums: Fl
 def correct_sides(chain: Chain, lattice: Lattice, begin: int, end: int, sums: FloatArray) -> None:
     """Add the turns by which a cap's angles and its crossings disagree about a sample's side.
 
-    A sample within rounding of a cap sees half a turn of it; counting put it on one side, and the
-    sign of its angle on one side too.  Where the two differ, the angle is a whole turn off.
+    A sample on a cap, up to rounding, gets half a turn from it.  Both the count of crossings and
+    the sign of the angle put it on one side; where they disagree, the angle is a whole turn off.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def correct_sides(chain: Chain, lattice: Lattice, begin: int, end: int, sums: Fl
 
 
 def _normals(corners: FloatArray) -> FloatArray:
-    """Return normals, of the same bits as those in `angles`."""
+    """Return normals that equal those in `angles` in every bit."""
     sides = corners[:, 1:] - corners[:, :1]
     if corners.shape[1] == 2:
         zero = np.zeros(len(corners))
@@ -127,10 +127,10 @@ def _is_facing(seen: FloatArray) -> BoolArray:
 
 @numba.njit(cache=True, error_model="numpy", inline="always")
 def _pass(a, x, y):  # type: ignore[no-untyped-def]
-    """Say how a line along z passes a triangle or segment.
+    """Return how a line along z passes a triangle or segment.
 
-    Returns how often it winds around the projection, and the side on which it passes otherwise:
-    -1 to -x, 1 to +x of it, -2 to -y, 2 to +y.
+    The first number is the winding number of the projection around the line, the second the side
+    on which the line passes otherwise: -1 for -x, 1 for +x, -2 for -y, 2 for +y.
     """
     if a.shape[0] == 2:
         is_first, is_second = a[0, 0] <= x, a[1, 0] <= x
@@ -181,7 +181,7 @@ def _scan(  # type: ignore[no-untyped-def]
         part = np.zeros((to - from_, n_y, n_z + 1), dtype=np.int32)
         i_from, i_to = max(from_ * half[0], first[0]), min(to * half[0], last[0])
         for t in range(len(corners)):
-            # One more on each side: the predicate decides, not the rounding of the box.
+            # Add one sample on each side, so that the predicate decides and not the box's rounding.
             i_first = max(i_from, int(np.floor(low[t, 0])) - 1)
             i_last = min(i_to - 1, int(np.ceil(high[t, 0])) + 1)
             if i_first > i_last:
@@ -216,9 +216,10 @@ def _scan(  # type: ignore[no-untyped-def]
 def _list_sides(  # type: ignore[no-untyped-def]
     corners, normal, low, high, half, first, last, begin, end
 ):
-    """List samples that may lie on a triangle, and the side on which counting puts them.
+    """List the samples that may lie on a triangle, and the side on which counting puts them.
 
-    Returns rows of triangle, sample (3 numbers) and whether its angle is positive, shape (n, 5).
+    Each row holds the triangle, the sample (3 numbers) and whether its angle is positive; the shape
+    is (n, 5).
     """
     found = [(0, 0, 0, 0, 0) for _ in range(0)]
     i_from, i_to = max(begin * half[0], first[0]), min(end * half[0], last[0])
@@ -238,8 +239,8 @@ def _list_sides(  # type: ignore[no-untyped-def]
                     continue
                 z = _height_of(a, x, y, low[t, 2], high[t, 2]) if turns != 0 else low[t, 2]
                 k_from, k_to = (low[t, 2], high[t, 2]) if is_steep else (z, z)
-                # Below a crossing that turns once the angle is positive, above it negative; beside
-                # a wall the side at which the line passes decides.
+                # The angle is positive below a crossing that turns once and negative above it;
+                # beside a wall, the side on which the line passes decides.
                 along = n_x if abs(side) == 1 else n_y
                 is_behind = (along > 0) == (side < 0)
                 for k in range(

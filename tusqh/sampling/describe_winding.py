@@ -15,7 +15,7 @@ from tusqh.sampling.lattice import Lattice
 def describe_winding(geometry: Surface, *, n: int = 32) -> pd.DataFrame:
     """Return the range of the winding number on a lattice, and the size of the cap it needs.
 
-    `count` says how many samples lie below 0 or above 1, where parts are inside out or overlap.
+    `count` is the number of samples below 0 (parts are inside out) or above 1 (parts overlap).
 
     Parameters
     ----------

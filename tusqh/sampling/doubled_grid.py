@@ -23,14 +23,15 @@ def average_half_blocks(slabs: Iterable[FloatArray], lattice: Lattice) -> Multip
     Parameters
     ----------
     slabs
-        Sums over half-blocks, shapes (*, n_y, n_z), which follow one another along x.
+        Sums over half-blocks, shapes (*, n_y, n_z), in order along x.
     lattice
         The lattice that they cover.
 
     Returns
     -------
     multiples
-        One more than half-blocks along each axis, int32; without the axis of a single layer.
+        Multiples of `RESOLUTION`, one more than half-blocks along each axis, int32; the axis of a
+        single layer is left out.
     """
     n_x, n_y, n_z = (int(n) for n in lattice.n_blocks)
     rows = 1 if lattice.is_plane else n_y + 1
@@ -48,7 +49,7 @@ def average_half_blocks(slabs: Iterable[FloatArray], lattice: Lattice) -> Multip
 
 
 def combine_half_blocks(means: FloatArray) -> Multiples:
-    """Return the means over the fictitious cells of means over half-blocks, as multiples.
+    """Return the means over the fictitious cells from means over half-blocks, as multiples.
 
     Parameters
     ----------
@@ -75,7 +76,7 @@ def combine_half_blocks(means: FloatArray) -> Multiples:
 
 
 def average_coverage(lattice: Lattice) -> Multiples:
-    """Return the share of samples that count in each fictitious cell, as `average_half_blocks`.
+    """Return the share of samples that count in each fictitious cell, like `average_half_blocks`.
 
     Parameters
     ----------

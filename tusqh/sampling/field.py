@@ -1,8 +1,8 @@
 """Winding numbers of a geometry, summed over the half-blocks of a lattice: one interface.
 
-``crossings`` counts crossings and adds a small cap, exact or within a tolerance.  ``libigl`` asks
-libigl at every sample: its tree for soups, which is right to two or three digits (Barill et al.,
-2018), its exact sum for outlines.
+``crossings`` counts crossings and adds a small cap, exactly or within a tolerance.  ``libigl``
+calls libigl at every sample: its tree for soups, which is accurate to two or three digits (Barill
+et al., 2018), and its exact sum for outlines.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from tusqh.sampling.crossings import add_crossings, correct_sides
 from tusqh.sampling.lattice import Lattice
 from tusqh.settings.sampling import Sampler, Sampling
 
-#: Largest error of a fraction by default, dimensionless: that of rounding to 2^-20.
+#: Default for the largest error of a fraction, dimensionless: the error of rounding to 2^-20.
 TOLERANCE = Sampling().tolerance
 _FINEST, _COARSEST = 1e-12, 0.01
 
@@ -45,7 +45,7 @@ class WindingField(Protocol):
 
 
 def wind_on_lattice(field: WindingField, lattice: Lattice) -> FloatArray:
-    """Return the winding number at every sample of a lattice, shape of the lattice.
+    """Return the winding number at every sample of a lattice, in the shape of the lattice.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def wind_on_lattice(field: WindingField, lattice: Lattice) -> FloatArray:
 def make_field(
     geometry: Surface, sampler: Sampler = "crossings", *, tolerance: float = TOLERANCE
 ) -> WindingField:
-    """Return the field of a geometry that a sampler computes.
+    """Return the winding field of a geometry for the chosen sampler.
 
     Parameters
     ----------
@@ -86,12 +86,12 @@ def make_field(
     sampler
         ``"crossings"`` or ``"libigl"``.
     tolerance
-        Largest error of a mean over a cell, dimensionless; libigl has none to set.
+        Largest error of a mean over a cell, dimensionless; ``"libigl"`` ignores it.
 
     Raises
     ------
     SamplingError
-        A tolerance that is not between 1e-12 and 0.01, where rounding or the method ends.
+        The tolerance is below 1e-12 (the limit of rounding) or above 0.01 (that of the method).
     """
     if not _FINEST <= tolerance <= _COARSEST:
         raise SamplingError(
@@ -107,12 +107,12 @@ def make_field(
 
 @dataclass(frozen=True)
 class CrossingField:
-    """Crossings of a closed cycle plus the field of a cap.
+    """A winding field that adds the crossings of a closed cycle and the winding number of a cap.
 
     Parameters
     ----------
     cycle, cap
-        Their sum is the geometry, coordinates in model units.
+        Two chains whose sum is the geometry, with coordinates in model units.
     tolerance
         Largest error of a mean over a cell, dimensionless.
     """
@@ -146,7 +146,7 @@ class CrossingField:
 
 @dataclass(frozen=True)
 class LibiglField:
-    """libigl at every sample.
+    """A winding field that libigl computes at every sample.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ class LibiglField:
         half, axes = lattice.half, [lattice.places(k) for k in range(3)]
         axes[0] = axes[0][begin * half[0] : end * half[0]]
         queries = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-        # Far from the origin differences lose digits if taken late.
+        # Subtract the origin first, because far from it later differences lose digits.
         queries = queries - lattice.origin
         if isinstance(self.geometry, Outline):
             points = self.geometry.points - lattice.origin[[0, 2]]

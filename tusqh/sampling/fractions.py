@@ -8,7 +8,7 @@ along each axis, the half-blocks ``c - 1`` and ``c`` of the doubled grid::
     fraction of 1      = mean of half-blocks 0 and 1 (the cell)
     fraction of 2      = mean of half-blocks 1 and 2 (the vertex between two cells)
 
-so that the fractions of cells, edges and vertices are one moving average of the half-block means.
+Therefore the fractions of cells, edges and vertices are one moving average of the half-block means.
 Everything outside the grid is empty.
 """
 
@@ -59,9 +59,10 @@ class VolumeFractions:
         Samples along each side of a cell.
     multiples
         Fractions on the doubled grid as multiples of `RESOLUTION`, shape ``2 n + 1``, int32.
-        Below 0 and above 1 / `RESOLUTION` where the winding number is.
+        Values below 0 or above 1 / `RESOLUTION` occur where the winding number is below 0 or
+        above 1.
     placement
-        Where the grid was put; None: at the corner, as asked for.
+        Where the grid was placed; None: at the corner, as requested.
     """
 
     grid: BackgroundGrid
@@ -125,7 +126,7 @@ def sample_fractions(
     grid
         The background grid.
     sampling
-        How the fractions are sampled; None: the defaults.
+        How the fractions are sampled; None: with the defaults.
     window
         Box outside of which there is no material, in model units; samples beyond it count 0.
     progress
@@ -134,9 +135,9 @@ def sample_fractions(
     Raises
     ------
     SamplingError
-        Odd or non-positive `samples`, a grid that does not fit in memory, a window or grid that
-        misses the geometry, a winding number that is zero everywhere, or nothing of the domain
-        in the grid.
+        `samples` is odd or not positive, the grid does not fit in memory, the window or grid misses
+        the geometry, the winding number is zero everywhere, or the grid holds nothing of the
+        domain.
 
     Examples
     --------
@@ -190,7 +191,7 @@ class _Tally:
     Parameters
     ----------
     per_block
-        Samples of a half-block.
+        Number of samples in a half-block.
     """
 
     per_block: float
@@ -240,7 +241,7 @@ def _clipped_slabs(
     domain: Domain,
     progress: Callable[[int, int], None] | None,
 ) -> Iterator[FloatArray]:
-    """Yield sums of samples of the domain, each clipped to [0, 1], over half-blocks."""
+    """Yield sums over half-blocks of the samples of the domain, each clipped to [0, 1]."""
     single = lattice.of_samples()
     n_x, n_y, n_z = (int(n) for n in single.n_blocks)
     half = lattice.half
@@ -279,14 +280,14 @@ def round_fractions(values: FloatArray) -> FloatArray:
 def require_memory(
     grid: BackgroundGrid, step: Literal["sampling", "meshing"], *, name: str
 ) -> None:
-    """Raise a `SamplingError` with the estimate when a grid cannot fit in this machine's memory.
+    """Raise a `SamplingError` with an estimate if a grid cannot fit in this machine's memory.
 
     Parameters
     ----------
     grid
         The background grid.
     step
-        What needs the memory.
+        The step that needs the memory.
     name
         The model, for the message.
 

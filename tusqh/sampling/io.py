@@ -1,4 +1,4 @@
-"""Fractions on disk: an npz file of exact integers and the grid they belong to."""
+"""Read and write fractions: an npz file of exact integers and the grid they belong to."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.placement import Placement
 
-#: Bytes from which zip needs its larger headers, with room for the array's own.
+#: Size in bytes from which zip needs its larger headers, less room for the array's own header.
 _LARGE = 2**31 - 2**16
 
 
 def save_fractions(path: Path, fractions: VolumeFractions) -> None:
-    """Write fractions as integer multiples of `RESOLUTION`; whole or not at all.
+    """Write fractions as integer multiples of `RESOLUTION`; the file is never incomplete.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def save_fractions(path: Path, fractions: VolumeFractions) -> None:
         arrays["placement"] = np.array(json.dumps(fractions.placement.to_dict()))
     with replacing(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
         for name, array in arrays.items():
-            # As `numpy.savez_compressed`, whose headers depend on the version of Python.
+            # Like `numpy.savez_compressed`, whose headers, however, depend on the Python version.
             entry = zipfile.ZipInfo(f"{name}.npy")
             entry.compress_type = zipfile.ZIP_DEFLATED
             is_large = array.nbytes >= _LARGE
@@ -56,7 +56,7 @@ def load_fractions(path: Path) -> VolumeFractions:
     Raises
     ------
     SamplingError
-        The file is missing or is not such a file.
+        The file is missing, or `save_fractions` did not write it.
     """
     try:
         with np.load(path) as content:

@@ -18,7 +18,7 @@ class Pieces(NamedTuple):
     corners
         Triangles, shape (m, 3, 3), or segments in the plane y = 0, shape (m, 2, 3).
     multiplicity
-        How often each counts, shape (m,).
+        Signed number of times each one counts, shape (m,).
     middle, reach
         Centre of each, shape (m, 3), and the distance of its farthest corner, shape (m,).
     """
@@ -43,7 +43,7 @@ class Lists(NamedTuple):
     Parameters
     ----------
     pieces
-        Numbers of the pieces of all blocks, one list after the other.
+        Indices of the pieces of all blocks, one list after the other.
     start
         Block ``r`` has ``pieces[start[r] : start[r + 1]]``, shape (n_blocks + 1,).
     """
@@ -58,7 +58,7 @@ class Blocks(NamedTuple):
     Parameters
     ----------
     lowest
-        Lowest corner of each, in steps of the lattice, shape (n_blocks, 3).
+        Lowest corner of each block, in steps of the lattice, shape (n_blocks, 3).
     size
         Their size along each axis, in steps of the lattice, shape (3,).
     """
@@ -73,11 +73,11 @@ class NodeTables(NamedTuple):
     Parameters
     ----------
     x, y, z
-        Places of the nodes along each axis, in [0, 1].
+        Coordinates of the nodes along each axis, in [0, 1].
     surface, inside
-        Numbers of the nodes on the surface and inside, in C order.
+        Indices of the nodes on the surface and inside, in C order.
     fill
-        From values on the surface to values inside, shape (on the surface, inside).
+        Matrix that maps values on the surface to values inside, shape (n_surface, n_inside).
     """
 
     x: FloatArray
@@ -108,7 +108,7 @@ class Samples(NamedTuple):
 
 
 class Ball(NamedTuple):
-    """A ball that holds points, and the distance that all chosen pieces keep from it."""
+    """A ball that contains points, and the least distance of all chosen pieces from it."""
 
     x: float
     y: float

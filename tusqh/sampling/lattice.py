@@ -13,9 +13,9 @@ Box = tuple[tuple[float, ...], tuple[float, ...]]
 
 @dataclass(frozen=True)
 class Lattice:
-    """Evenly spaced samples, in half-blocks of equal size.
+    """Evenly spaced samples, grouped into half-blocks of equal size.
 
-    A lattice in the plane is one in space with a single layer: axes x, -, y.
+    A lattice in the plane is a lattice in space with a single layer; its axes are x, -, y.
 
     Parameters
     ----------
@@ -28,7 +28,8 @@ class Lattice:
     n_blocks
         Half-blocks along each axis, shape (3,).
     first, last
-        The samples ``first <= k < last`` along each axis count, all others are 0; shape (3,) each.
+        The samples ``first <= k < last`` along each axis count and all others are 0; shape (3,)
+        each.
     """
 
     origin: FloatArray

@@ -1,4 +1,4 @@
-"""Where the background grid lies: over a window, or over the geometry's bounding box."""
+"""Lay the background grid over a window, or over the geometry's bounding box."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def lay_grid(
     Raises
     ------
     SamplingError
-        The box has no extent along an axis, or another number of axes than the geometry.
+        The box has no extent along an axis, or its number of axes differs from the geometry's.
     """
     lower, upper = window or geometry.bounding_box()
     dim = len(geometry.bounding_box()[0])

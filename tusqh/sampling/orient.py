@@ -1,8 +1,8 @@
-"""Turn the parts of a geometry that point inwards, before its winding number is taken.
+"""Turn the parts of a geometry that point inwards, before its winding number is computed.
 
-A part outside all others encloses material, so it is turned where its volume is negative.  A part
-inside others keeps its direction relative to the one around it: opposite to it, it is a cavity.
-In a cavity there is nothing to remove, so a part there encloses material again.
+A part outside all others encloses material, so it is turned if its volume is negative.  A part
+inside others keeps its direction relative to the one around it; if the two directions are opposite,
+it is a cavity.  A cavity holds nothing to remove, so a part inside it encloses material again.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from tusqh.geometry.soup import Soup
 from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.settings.sampling import Orientation
 
-#: Volume of a part over that of a ball of the same area, below which its sign means nothing.
+#: If the ratio of a part's volume to that of a ball of equal area is below this, its sign is noise.
 _LEAST_ROUNDNESS_CLOSED, _LEAST_ROUNDNESS_OPEN = 1e-9, 0.05
-#: Points of a part that are tested for lying in another one.
+#: Number of points of a part that are tested for lying inside another part.
 _N_TESTED = 16
-#: Winding number beyond which a point is not outside, even on an edge of a box.
+#: A point with at least this winding number is not outside, even if it lies on an edge of a box.
 _NOT_OUTSIDE = 0.2
 _SHOWN = 3
 
@@ -37,20 +37,20 @@ class Oriented(NamedTuple):
 
 
 def orient(geometry: Surface, orientation: Orientation) -> Oriented:
-    """Return a geometry whose parts point outwards, and what was turned.
+    """Return a geometry whose parts point outwards, and remarks on what was turned.
 
     Parameters
     ----------
     geometry
         The geometry; only a soup has parts.
     orientation
-        ``"auto"`` turns parts and triangles; otherwise they are only counted.
+        ``"auto"`` turns parts and triangles; other values only count them.
 
     Returns
     -------
     Oriented
-        The same object where nothing is turned, with remarks on parts that point inwards,
-        triangles that disagree with their neighbours, and surfaces without an inside.
+        The geometry (the same object if nothing is turned), with remarks on parts that point
+        inwards, triangles that disagree with their neighbours, and surfaces without an inside.
     """
     if not isinstance(geometry, Soup):
         return Oriented(geometry)
@@ -177,7 +177,7 @@ def _remarks(
 
 
 def _names(parts: ConnectedParts, is_chosen: BoolArray) -> str:
-    """Return the first parts of some, each with its number, triangles and bounding box."""
+    """Describe the first few chosen parts, each by its number, triangles and bounding box."""
     chosen = np.flatnonzero(is_chosen)
     sizes = np.bincount(parts.part[parts.part >= 0], minlength=len(is_chosen))
     names = []

@@ -1,9 +1,9 @@
-"""Move the background grid by part of a cell where that makes the mesh's volume right.
+"""Move the background grid by a fraction of a cell if that corrects the mesh's volume.
 
-Faces of a part that lie in the middle of cells are kept or dropped together, so that a box meshed
-on one grid has half, on another twice its volume.  Grids that are moved by whole samples share one
-lattice of samples, and the fractions of their cells are moving averages over it.  One pass counts,
-for every such placement, the cells that a threshold keeps.
+If the faces of a part lie in the middle of cells, a threshold keeps or drops all these cells
+together, so the mesh of a box may have half its volume on one grid and twice its volume on another.
+Grids that are moved by whole samples share one lattice of samples, and the fractions of their cells
+are moving averages over it.  One pass counts the cells that a threshold keeps for every placement.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ from tusqh.sampling.lattice import Box, Lattice
 from tusqh.sampling.placement import Placement
 from tusqh.settings.sampling import Sampling
 
-#: The corner stays where its volume error is at most this: faces on grid planes are exact there.
+#: The grid stays at the corner if its volume error there is at most this.
 _GOOD = 0.01
 #: Placements whose errors differ by less are equally good.
 _EQUAL = 0.001
-#: How near the threshold a fraction is not robust, in parts of a cell.
+#: A fraction nearer to the threshold than this is not robust.
 _NEAR = 0.125
-#: Walls that a placement drops hold at most this part of the material, or as much as at the corner.
+#: Largest share of the material in walls that a placement drops (unless the corner drops more).
 _LOST = 0.01
 
 
 @dataclass(frozen=True)
 class _Counts:
-    """What each placement keeps; shapes (S, S, S), or (S, 1, S) in the plane.
+    """The cells that each placement keeps; shapes (S, S, S), or (S, 1, S) in the plane.
 
     Parameters
     ----------
@@ -44,8 +44,8 @@ class _Counts:
     near
         Numbers of cells whose fraction is near the threshold.
     lost
-        Material in cells that are dropped, with all neighbours, a little above the threshold, in
-        cells: walls that are gone.
+        Material of missing walls, in cells: the fractions of cells that are dropped together with
+        all their neighbours, a little above the threshold.
     """
 
     kept: IntArray
@@ -62,13 +62,14 @@ def place_grid(
     window: Box | None = None,
     threshold: float = 0.5,
 ) -> tuple[BackgroundGrid, Placement]:
-    """Return the grid where its kept cells have the volume of the geometry, as nearly as possible.
+    """Return the placement of the grid whose kept cells best match the volume of the geometry.
 
-    The grid stays where it is if its volume error is at most 1 %.  Otherwise, of the placements
-    that differ by whole samples, that with the least error is taken, errors that differ by less
-    than 0.1 % being equal; then the one with fewest cells near the threshold; then the one that
-    moves along fewest axes.  A placement counts only if its error at the threshold is not above
-    that of the grid as given, it keeps some cells, and no more walls are gone than at the corner.
+    The grid stays where it is if its volume error is at most 1 %.  Otherwise the placements that
+    differ by whole samples are compared, and the one with the least error is chosen; errors that
+    differ by less than 0.1 % are equal.  Ties go to the placement with the fewest cells near the
+    threshold, then to the one that moves along the fewest axes.  A placement is allowed only if its
+    error at the threshold does not exceed that of the given grid, it keeps some cells, and it loses
+    no more walls than the corner does.
 
     Parameters
     ----------
@@ -79,7 +80,7 @@ def place_grid(
     volume
         The volume that the kept cells should have, in model units.
     sampling
-        How fractions are sampled.
+        How the fractions are sampled.
     window
         Box to mesh in, in model units; None: the bounding box.
     threshold
@@ -88,9 +89,9 @@ def place_grid(
     Returns
     -------
     grid
-        The grid, of the same cell size, with at most one more cell along each axis.
+        The moved grid, with the same cell size and at most one more cell along each axis.
     placement
-        How far it was moved and what that does to the volume.
+        How far it was moved and how that changes the volume.
     """
     stays = Placement((0,) * grid.dim, sampling.samples, threshold=threshold)
     reason = _find_obstacle(volume, sampling, window)
@@ -121,14 +122,14 @@ def place_grid(
 
 
 def move_grid(grid: BackgroundGrid, box: Box, placement: Placement) -> BackgroundGrid:
-    """Return a grid moved by part of a cell, with the cells that still cover a box.
+    """Return a grid moved by a fraction of a cell, with as many cells as a box needs.
 
     Parameters
     ----------
     grid
         The grid at the corner.
     box
-        What it covers, in model units.
+        The box that it covers, in model units.
     placement
         How far it is moved.
 
@@ -154,14 +155,14 @@ def move_grid(grid: BackgroundGrid, box: Box, placement: Placement) -> Backgroun
 
 
 def _find_obstacle(volume: float, sampling: Sampling, window: Box | None) -> str:
-    """Return why a grid cannot be moved, empty where it can."""
+    """Return why a grid cannot be moved, or an empty string if it can."""
     if sampling.domain == "outside" and window is None:
         return "without a window, the domain outside ends where the grid does"
     return "" if volume > 0 else "the volume that the mesh should have is unknown"
 
 
 def _best(may: FloatArray, robust: FloatArray, counts: _Counts) -> tuple[int, int, int]:
-    """Return the best of the placements that may be taken."""
+    """Return the best of the allowed placements."""
     places = np.argwhere(may)
     of = tuple(places.T)
     keys = (
@@ -180,7 +181,7 @@ def _count(
     window: Box | None,
     threshold: float,
 ) -> _Counts:
-    """Return what every placement of a grid keeps."""
+    """Return the counts of the cells that every placement of a grid keeps."""
     field = CrossingField(*close(geometry), max(sampling.tolerance, 1e-4))
     lattice = Lattice.over_grid(grid.padded(), sampling.samples, window)
     sign = _sign(field, lattice, sampling)
@@ -205,7 +206,7 @@ def _count(
 
 
 def _sign(field: CrossingField, lattice: Lattice, sampling: Sampling) -> int:
-    """Return -1 where the winding number is to be turned."""
+    """Return -1 if the winding number must be negated, otherwise 1."""
     if sampling.orientation != "auto":
         return -1 if sampling.orientation == "flip" else 1
     n = int(lattice.n_blocks[0])
@@ -215,7 +216,7 @@ def _sign(field: CrossingField, lattice: Lattice, sampling: Sampling) -> int:
 
 
 def _of_domain(values: FloatArray, lattice: Lattice, begin: int, sampling: Sampling) -> FloatArray:
-    """Return the material at samples, by the domain and the rule; 0 beyond the window."""
+    """Return the material at samples according to the domain and the rule; 0 beyond the window."""
     is_outside = sampling.domain == "outside"
     if is_outside:
         counted = lattice.coverage()
@@ -248,7 +249,7 @@ def _tally(
 ) -> None:
     """Count, for each placement, the cells that start at the samples ``begin <= i < end`` along x.
 
-    The fractions begin at the sample ``first``, so that neighbours of these cells are there.
+    The fractions begin at the sample ``first``, so they include the neighbours of these cells.
     """
     n_x, n_y, n_z = near.shape
     m_x, m_y, m_z = fractions.shape

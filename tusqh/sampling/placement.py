@@ -1,4 +1,4 @@
-"""Where the background grid was put, and what that does to the volume."""
+"""The placement of the background grid and its effect on the volume."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Placement:
-    """The result of trying the grid in several places.
+    """The result of comparing several placements of the grid.
 
     Parameters
     ----------
     moved
-        How far the grid was moved along each axis, in samples; all 0: it stays at the corner.
+        How far the grid was moved along each axis, in samples; all 0 if it stays at the corner.
     samples
         Samples along each side of a cell.
     tried
-        Number of placements that were tried; 0 where the grid cannot be moved.
+        Number of placements that were tried; 0 if the grid cannot be moved.
     threshold
         The threshold at which volumes were compared.
     reference_volume
-        The volume that they were compared with, in model units.
+        The volume with which they were compared, in model units.
     error, corner_error
-        Relative difference of the volume of the kept cells, here and at the corner; the larger
-        one of keeping and dropping the cells whose fraction is the threshold itself.
+        Relative error of the volume of the kept cells, at this placement and at the corner: the
+        larger of the errors with and without the cells whose fraction equals the threshold.
     reason
-        Why the grid cannot be moved; empty where it can.
+        Why the grid cannot be moved; empty if it can.
     """
 
     moved: tuple[int, ...]

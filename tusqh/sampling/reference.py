@@ -1,4 +1,4 @@
-"""The volume of a geometry that a mesh of it is compared with, independent of the threshold."""
+"""The reference volume of a geometry, with which meshes are compared at any threshold."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from tusqh.sampling.lattice import Box, Lattice
 from tusqh.sampling.orient import orient
 from tusqh.settings.sampling import Sampling
 
-#: About how many samples the finer lattice has, and the most along a side of a cell.
+#: Approximate number of samples in the finer lattice, and the most along a side of a cell.
 _SAMPLES, _FINEST = 2**23, 16
 
-#: Largest deviation of a winding number from 0 and 1 that is rounding.
+#: Largest deviation of a winding number from 0 or 1 that counts as rounding.
 _ROUNDING = 1e-6
 
 
@@ -31,16 +31,16 @@ class Reference:
     Parameters
     ----------
     volume
-        In model units to the power of the dimension; 0 where it is unknown.
+        In model units to the power of the dimension; 0 if it is unknown.
     source
-        How it was found, in words.
+        How it was determined, in words.
     ambiguity
-        Where the volume depends on what counts as inside: samples with a winding number between
-        1/4 and 3/4 over samples inside; 0 for closed surfaces.
+        How much the volume depends on the definition of inside: the ratio of samples with a winding
+        number between 1/4 and 3/4 to samples inside; 0 for closed surfaces.
     geometry
-        The geometry turned as it was for sampling, so that its facets point outwards.
+        The geometry, turned as for sampling, so that its facets point outwards.
     is_outside
-        Whether the material is what the geometry leaves out.
+        Whether the material lies outside the geometry.
     window
         Box outside of which there is no material, in model units.
     """
@@ -62,9 +62,10 @@ def find_reference(
 ) -> Reference:
     """Return the volume of a geometry in the grid and the window.
 
-    It is exact for a closed surface that covers no place twice and lies in the window; otherwise
-    the samples of a lattice, finer than that of the fractions where it is small, are counted where
-    the winding number is at least 1/2.  Of images it is the sum of the fractions.
+    The volume is exact for a closed surface that covers no point twice and lies in the window.
+    Otherwise it comes from the number of samples with a winding number of at least 1/2, on a
+    lattice that is finer than that of the fractions if the grid is small.  For images it is the sum
+    of the fractions.
 
     Parameters
     ----------
@@ -73,7 +74,7 @@ def find_reference(
     fractions
         Its volume fractions.
     sampling
-        How these were sampled; None: the defaults.
+        How they were sampled; None: with the defaults.
     window
         Box outside of which there is no material, in model units.
 
@@ -120,7 +121,7 @@ def signed_volume(geometry: Surface) -> float:
     Parameters
     ----------
     geometry
-        An outline or a soup; of an open one the result depends on the origin.
+        An outline or a soup; if it is open, the result depends on the origin.
 
     Examples
     --------
@@ -139,7 +140,7 @@ def signed_volume(geometry: Surface) -> float:
 
 @dataclass(frozen=True)
 class _Counted:
-    """Winding numbers of a lattice: their sum and extremes, and how many lie where."""
+    """Statistics of the winding numbers on a lattice: sum, extremes, and counts by range."""
 
     total: float
     lowest: float
@@ -184,7 +185,7 @@ def _reversed(geometry: Surface) -> Surface:
 
 
 def _samples_along(grid: BackgroundGrid, samples: int) -> int:
-    """Return how many samples lie along a side of a cell of the finer lattice, an even number."""
+    """Return the number of samples along a side of a cell in the finer lattice, which is even."""
     finer = int((_SAMPLES / grid.n_cells) ** (1 / grid.dim)) // 2 * 2
     return max(samples, min(finer, _FINEST))
 

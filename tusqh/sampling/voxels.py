@@ -1,10 +1,10 @@
-"""Volume fractions from the voxels of an image: exact means, no samples.
+"""Volume fractions from the voxels of an image, as exact means without sampling.
 
-A cell of the grid is a cube of ``c`` voxels along each side, c a whole number.  A half-block, half
-a cell long, is ``c / 2`` voxels long: for even c whole voxels, for odd c the middle voxel is cut in
-two.  Each voxel has one fraction everywhere in it, so that the mean over a half-block is the mean
-over ``c`` half voxels along each axis, and the fractions of cells, edges and vertices follow from
-half-blocks as they do for any other geometry (see `tusqh.sampling.fractions`)::
+A cell of the grid is a cube of ``c`` voxels along each side, where c is an integer.  A half-block
+is half a cell, or ``c / 2`` voxels, long: for even c it consists of whole voxels, for odd c it cuts
+the middle voxel in two.  The fraction is constant in each voxel, so the mean over a half-block is
+the mean over ``c`` half voxels along each axis, and the fractions of cells, edges and vertices
+follow from half-blocks as for any other geometry (see `tusqh.sampling.fractions`)::
 
     voxels           |     0     |     1     |     2     |       c = 3
     half voxels      |  0  |  1  |  2  |  3  |  4  |  5  |
@@ -27,10 +27,10 @@ from tusqh.sampling.fractions import VolumeFractions, require_memory
 from tusqh.sampling.lattice import Box
 from tusqh.settings.sampling import Domain
 
-#: How far, in voxels, a grid may be off the voxels by rounding.
+#: Largest offset between grid and voxels, in voxels, that counts as rounding.
 _ROUNDING = 1e-6
 
-#: About how many voxels are averaged at a time.
+#: Approximate number of voxels that are averaged at a time.
 VOXELS_AT_A_TIME = 8_000_000
 
 
@@ -41,7 +41,7 @@ def lay_on_voxels(
     cells: int | Sequence[int] | None = None,
     cell_size: float | None = None,
 ) -> BackgroundGrid:
-    """Return the background grid over an image, every cell a whole number of voxels.
+    """Return the background grid over an image; every cell is a whole number of voxels long.
 
     Parameters
     ----------
@@ -99,14 +99,14 @@ def voxel_fractions(
     grid
         A grid from `lay_on_voxels`.
     domain
-        ``"inside"`` meshes the material, ``"outside"`` the rest of the image: the pores.
+        ``"inside"`` meshes the material, ``"outside"`` the rest of the image (the pores).
     window
         Voxels whose centre is beyond this box count as empty, for either domain.
 
     Raises
     ------
     SamplingError
-        The grid does not fit the voxels, or nothing of the domain is in it.
+        The grid does not fit the voxels, or it holds nothing of the domain.
 
     Examples
     --------
@@ -165,7 +165,7 @@ def _half_block_means(values: FloatArray, per_cell: int) -> FloatArray:
 def _cut_out(
     image: Image, corner: IntArray, size: list[int], counted: list[slice], domain: Domain
 ) -> FloatArray:
-    """Return the fractions of a box of voxels; 0 outside the image and where none count."""
+    """Return the fractions of a box of voxels; 0 outside the image and for voxels not counted."""
     values = np.zeros(size)
     inside, there = [], []
     for low, n, use in zip(corner.tolist(), size, counted, strict=True):
