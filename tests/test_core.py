@@ -56,10 +56,19 @@ def test_the_core_meshes_an_stl_file(repository, tmp_path):
     assert len(meshio.read(mesh).cells_dict["hexahedron"]) > 100
 
 
-@pytest.mark.parametrize("name", ["outline.svg", "outline.dxf", "map.shp", "stack.tif", "ct.nrrd"])
+BEGINNINGS = {
+    "outline.svg": b"<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0H1V1Z'/></svg>",
+    "outline.dxf": b"  0\nSECTION\n  2\nHEADER\n",
+    "map.shp": b"\0\0\x27\x0a",
+    "stack.tif": b"II*\0",
+    "ct.nrrd": b"NRRD0004\n",
+}
+
+
+@pytest.mark.parametrize("name", BEGINNINGS)
 def test_a_missing_extra_is_an_error_that_names_it(tmp_path, name):
     path = tmp_path / name
-    path.write_text("<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0H1V1Z'/></svg>")
+    path.write_bytes(BEGINNINGS[name].ljust(200, b"\0" if name != "outline.svg" else b" "))
     for suffix in (".dbf", ".shx"):
         path.with_suffix(suffix).touch()
     done = run_without_extras("mesh", path, "-o", tmp_path / "mesh.vtu")

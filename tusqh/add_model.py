@@ -105,7 +105,7 @@ def _to_entry(model: Model) -> dict[str, Any]:
     """Return the block of a model: its grid, and what is not a default.
 
     >>> _to_entry(Model(geometry="a.stl", unit="mm"))
-    {'geometry': 'a.stl', 'unit': 'mm', 'grid': {'cells': 64}}
+    {'geometry': 'a.stl', 'unit': 'mm', 'grid': {'cells': 64, 'placement': 'auto'}}
     """
     known = model.to_dict()
     changed = model.to_dict(defaults=False)

@@ -243,9 +243,10 @@ def test_inspect_lists_defects_and_topologies(ring):
     boundary = next(row for row in rows if row and row[0] == "boundary_edges")
     assert boundary[1] == "6"
     assert any(row and row[0] == "winding_number_max" for row in rows)
-    topologies = [row for row in rows if len(row) == 7]
+    topologies = [row for row in rows if len(row) == 9]
     assert ["1", "1", "0"] in [row[-3:] for row in topologies]
-    edges = np.array([[float(x) for x in row[:2]] for row in topologies])
+    assert [row[1] for row in topologies].count("0.5") == 1
+    edges = np.array([[float(x) for x in row[2:4]] for row in topologies])
     assert (edges[:, 0] < edges[:, 1]).all()
     assert 0 < edges[0, 1] <= 1
 

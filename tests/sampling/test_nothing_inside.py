@@ -10,7 +10,7 @@ def test_parts_smaller_than_the_samples_are_named(repository):
     path = repository / "tests/cases/43_small_far_parts/two_islands.geojson"
     with pytest.raises(SamplingError, match=r"2 rings, the largest 0\.5 across") as caught:
         tusqh.mesh(path, cells=48)
-    assert all(option in caught.value.remedy for option in ("--cells", "--window", "--samples"))
+    assert all(option in caught.value.remedy for option in ("--cell-size", "--window", "--samples"))
 
 
 @pytest.mark.parametrize("goal", [{"threshold": 0.5}, {"betti": (1, 0, 0)}, {"volume": "match"}])

@@ -94,7 +94,7 @@ def arguments_of(section: type[Section]) -> dict[str, Argument]:
     --------
     >>> from tusqh.settings.model import Settings
     >>> list(arguments_of(Settings))[:3]
-    ['cells', 'cell_size', 'samples']
+    ['cells', 'cell_size', 'placement']
     """
     found = _arguments(section, lambda entry: entry.setting.is_inline or entry.setting.is_spread)
     return {argument.name: argument for argument in found}

@@ -113,8 +113,8 @@ def rank_for_inspection(predicted: pd.DataFrame, base: float) -> pd.DataFrame:
     ...     "upper": [1.0, 0.4], "lower": [0.4, 0.0], "width": [0.6, 0.4], "threshold": [0.7, 0.2],
     ...     "cells": [4, 400], "volume_ratio": [0.01, 1.0],
     ...     "betti_0": [4, 1], "betti_1": 0, "betti_2": 0})
-    >>> rank_for_inspection(predicted, 0.5)[["rank", "cells", "at"]].values.tolist()
-    [[1, 400, ''], [2, 4, '0.5']]
+    >>> rank_for_inspection(predicted, 0.5)[["rank", "volume_ratio", "at"]].values.tolist()
+    [[1, 1.0, ''], [2, 0.01, '0.5']]
     """
     intervals = merge_intervals(predicted)
     ratio = intervals["volume_ratio"].fillna(1.0)

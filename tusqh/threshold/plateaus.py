@@ -182,7 +182,7 @@ def merge_intervals(predicted: pd.DataFrame, is_wanted: pd.Series | None = None)
     ...     "threshold": [0.75, 0.375, 0.125], "cells": [3, 4, 5], "volume_ratio": [0.75, 1, 1.25],
     ...     "betti_0": [1, 1, 2], "betti_1": [0, 0, 0], "betti_2": [0, 0, 0]})
     >>> merge_intervals(predicted)[["upper", "lower", "threshold", "margin"]].values.tolist()
-    [[1.0, 0.25, 0.375, 0.25], [0.25, 0.0, 0.125, 0.125]]
+    [[1.0, 0.25, 0.5, 0.25], [0.25, 0.0, 0.125, 0.125]]
     """
     use = (predicted["cells"] > 0).to_numpy()
     if is_wanted is not None:
