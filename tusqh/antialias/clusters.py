@@ -83,7 +83,7 @@ def decide_by_fraction(
     threshold: float,
     mixed_pinches: MixedPinches = "separate",
 ) -> Decisions:
-    """Decide every cluster: connect interior pinches, separate exterior ones.
+    """Return the decision of every cluster: connect interior pinches, separate exterior ones.
 
     A pinch vertex, and in 3D a pinch edge, votes to connect if its sub-cell volume fraction is at
     least the threshold.  A unanimous cluster follows its votes; mixed clusters follow
@@ -116,7 +116,7 @@ def decide_by_vote(
     *,
     mixed_pinches: MixedPinches = "separate",
 ) -> Decisions:
-    """Decide every cluster from the votes of its pinches.
+    """Return the decision of every cluster from the votes of its pinches.
 
     Parameters
     ----------

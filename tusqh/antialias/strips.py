@@ -84,7 +84,7 @@ def find_cells_with_corners(strips: Sequence[Strip], shape: tuple[int, ...]) -> 
 
 
 def find_attached_sides(strips: Sequence[Strip], shape: tuple[int, ...]) -> BoolArray:
-    """Return, for every side number, the cells with a trapezoid there that attaches a strip.
+    """Return for every side number the cells with a trapezoid there that attaches a strip.
 
     The shape is (4, *n), with sides in the order of `tusqh.grid.numbering.FACES`.
 

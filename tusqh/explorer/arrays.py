@@ -1,11 +1,11 @@
-"""The arrays that the page draws: field, plateaus, diagram, mesh and geometry.
+"""Make the arrays that the page draws: field, plateaus, diagram, mesh and geometry.
 
-The page needs no faces per threshold.  A face between two cells is on the boundary of the kept
-cells exactly for ``lower fraction < t <= higher fraction``, so the ranks of the cell fractions
-determine this for every threshold; the page lists the faces once and picks the visible ones at
-each step.
+The page needs no list of faces for each threshold.  A face between two cells is on the boundary of
+the kept cells exactly for ``lower fraction < t <= higher fraction``, so the ranks of the cell
+fractions determine this for every threshold; the page lists the faces once and picks the visible
+ones at each step.
 
-Fractions and thresholds are *keys*, whole multiples of `RESOLUTION` in 0..`FULL`; coordinates are
+Fractions and thresholds are *keys*, integer multiples of `RESOLUTION` in 0..`FULL`; coordinates are
 in cells from the grid's origin.
 """
 
@@ -31,10 +31,10 @@ from tusqh.topology.clamping import FULL
 
 Arrays = dict[str, NDArray[Any]]
 
-#: Meshes of more elements are shown by their boundary alone, and cannot be cut open.
+#: Of a mesh with more elements only the boundary is shown, so it cannot be cut open.
 CUT_ELEMENTS = 200_000
 
-#: Geometry of more segments or triangles is omitted.
+#: A geometry with more segments or triangles is omitted.
 GEOMETRY_PIECES = 300_000
 
 #: Steps of a coordinate along the longest side of the geometry's box.
@@ -42,9 +42,9 @@ _GEOMETRY_STEPS = 2**16 - 1
 
 
 def field_arrays(fractions: VolumeFractions) -> Arrays:
-    """Return the cell fractions: `levels`, distinct keys from 0 up, and the `rank` of each cell.
+    """Return the cell fractions: `levels` (ascending distinct keys) and the `rank` of each cell.
 
-    A cell of rank r is kept at thresholds up to ``levels[r]``; those of rank 0 never are.
+    A cell of rank r is kept at thresholds up to ``levels[r]``; cells of rank 0 are never kept.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def field_arrays(fractions: VolumeFractions) -> Arrays:
 
 
 def plateau_arrays(cell_sets: CellSets, curves: pd.DataFrame, topologies: pd.DataFrame) -> Arrays:
-    """Return the plateaus of the threshold, from high to low, with their Betti numbers and changes.
+    """Return the plateaus of the threshold, from high to low, with Betti numbers and changes.
 
     Parameters
     ----------
@@ -80,11 +80,12 @@ def plateau_arrays(cell_sets: CellSets, curves: pd.DataFrame, topologies: pd.Dat
     Returns
     -------
     arrays
-        `upper`: key of every plateau's highest threshold; the next one's is its lower end, the
-        last one's lower end is 0.  ``raw_0`` .. ``raw_2``: Betti numbers of the filtration.
-        ``mesh_0`` .. ``mesh_2``: those of the mesh, -1 where it was not predicted; `clusters` of
-        pinches and `bridges` there.  `toggles`: flat indices of cells that begin or cease to be
-        removed or filled against their fraction, those of plateau p from ``toggles_from[p]`` on.
+        `upper`: key of every plateau's highest threshold; its lower end is the `upper` of the next
+        plateau, or 0 for the last one.  ``raw_0`` .. ``raw_2``: Betti numbers of the filtration.
+        ``mesh_0`` .. ``mesh_2``: Betti numbers of the mesh, -1 if they were not predicted;
+        `clusters` of pinches and `bridges` there.  `toggles`: flat indices of cells that begin or
+        cease to be removed or filled against their fraction; those of plateau p start at
+        ``toggles_from[p]``.
     """
     ends = [table[end] for table in (curves, topologies) for end in ("upper", "lower")]
     keys = np.unique(_to_keys(np.concatenate(ends)))
@@ -104,7 +105,7 @@ def plateau_arrays(cell_sets: CellSets, curves: pd.DataFrame, topologies: pd.Dat
 
 
 def _toggles(cell_sets: CellSets, topologies: pd.DataFrame, of_mesh: IntArray) -> Arrays:
-    """Return the cells that begin or cease, at each plateau, to follow their fraction."""
+    """Return the cells that begin or cease to follow their fraction at each plateau."""
     cells = cell_sets.fractions.cells
     thresholds = topologies["threshold"].to_numpy()
     is_special = np.asarray((topologies["removed"] > 0) | (topologies["filled"] > 0))
@@ -127,20 +128,20 @@ def _toggles(cell_sets: CellSets, topologies: pd.DataFrame, of_mesh: IntArray) -
 
 
 def pair_arrays(pairs: pd.DataFrame, grid: BackgroundGrid) -> Arrays:
-    """Return the persistence pairs, the longest-lived first.
+    """Return the persistence pairs, sorted by decreasing persistence.
 
     Parameters
     ----------
     pairs
         See `tusqh.topology.persistence.locate_pairs`.
     grid
-        The grid they belong to.
+        The grid to which they belong.
 
     Returns
     -------
     arrays
         `dimension`, `birth` and `death` (keys), and the places that create and destroy each
-        class as flat indices into the doubled grid, -1 where nothing destroys it.
+        class as flat indices into the doubled grid, -1 if nothing destroys it.
     """
     pairs = pairs.sort_values(
         ["persistence", "dimension", "birth"], ascending=[False, True, False], kind="stable"
@@ -165,17 +166,18 @@ def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid) -> Arrays:
     mesh
         The mesh.
     grid
-        The background grid it was made on.
+        The background grid on which it was made.
 
     Returns
     -------
     arrays
         `points`; `corners` of every facet (in 2D of every element), ordered so that it faces out
-        of its first element: the first corner as difference to that of the facet before, the
-        others as difference to the first.  `first`: the first element, as difference to that of
-        the facet before; `second`: the other element less the first, 0 where there is none.  For
-        every element its `kind`, the grid `cell` it lies in (as difference to that of the element
-        before), and its least scaled Jacobian as `quality`, 0..255.
+        of its first element; the first corner is stored as the difference from that of the
+        previous facet, the others as differences from the first.  `first`: the first element, as
+        the difference from that of the previous facet; `second`: the other element minus the
+        first, 0 if there is none.  For every element its `kind`, the grid `cell` in which it lies
+        (as the difference from that of the previous element), and its smallest scaled Jacobian as
+        `quality`, 0..255.
     """
     n = mesh.n_cells
     points = _in_cells(mesh.points, grid)
@@ -204,15 +206,16 @@ def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid) -> Arrays:
         "cell": _steps(np.maximum(mesh.grid_cell, 0)),
         "quality": np.rint(255 * np.clip(quality, 0, 1)).astype(np.uint8),
     }
-    # Neighbours on a grid have neighbouring numbers: differences compress five times better.
+    # Neighbours on a grid have similar numbers, so differences compress five times better.
     return {name: a.astype(np.int32) if a.dtype == np.int64 else a for name, a in arrays.items()}
 
 
 def geometry_arrays(geometry: Geometry, grid: BackgroundGrid) -> Arrays:
-    """Return the unrepaired geometry: `points`, and `pieces`, the ends or corners of each piece.
+    """Return the unrepaired geometry: `points`, and `pieces` with the ends or corners of each.
 
-    Points are rounded to 2^16 steps along the longest side of the geometry's box; `box` holds its
-    lowest corner and that side.  A geometry of too many pieces has none, nor have images.
+    Points are rounded to 2^16 steps along the longest side of the geometry's box; `box` holds the
+    lowest corner and the length of that side.  Images and geometries with too many pieces have no
+    pieces.
 
     Parameters
     ----------
@@ -249,7 +252,7 @@ def _to_keys(values: Any) -> IntArray:
 
 
 def _row_of(table: pd.DataFrame, upper: IntArray) -> IntArray:
-    """Return the row of a table of plateaus, from high to low, that holds each threshold."""
+    """Return the row, in a table of plateaus from high to low, that holds each threshold."""
     lower = _to_keys(table["lower"].to_numpy())
     rows = np.searchsorted(-lower, -upper, side="right")
     return np.minimum(rows, len(table) - 1).astype(np.int64)

@@ -1,4 +1,4 @@
-"""The files that every page holds: its template, style and scripts, and three.js."""
+"""Read the files that every page contains: its template, style and scripts, and three.js."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ SCRIPTS = (
     *("curves", "diagram", "tables", "main"),
 )
 
-#: The folder of the page's own files; a change in any of them makes the pages again.
+#: The folder of the page's own files; a change in any of them causes all pages to be rebuilt.
 PAGE = "page"
 TEMPLATE, STYLE = f"{PAGE}/template.html", f"{PAGE}/explorer.css"
 THREE, THREE_LICENCE = "vendor/three.iife.min.js", "vendor/three.LICENSE"

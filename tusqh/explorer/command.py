@@ -1,4 +1,4 @@
-"""The command line that makes the mesh on the screen."""
+"""Compose the command line that makes the mesh on the screen."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ class Command:
     Parameters
     ----------
     before, after
-        Its words before and after ``--threshold T``, quoted for a shell.
+        The words before and after ``--threshold T``, quoted for a shell.
     note
-        What the command leaves out, in words; often empty.
+        What the command omits, in words; often empty.
     """
 
     before: str
@@ -33,11 +33,11 @@ def mesh_command(geometry: str, settings: Settings, *, name: str) -> Command:
     Parameters
     ----------
     geometry
-        Its geometry file, as the configuration names it.
+        The geometry file, as named in the configuration.
     settings
         How it is meshed; the threshold is left out.
     name
-        The model, for the file to write.
+        The model, which names the output file.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Arrays as text for a page: gzip in base64; the same arrays give the same bytes."""
+"""Encode arrays as text for a page (gzip in base64); equal arrays give equal bytes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-#: Types that browsers have typed arrays for.
+#: Types for which browsers have typed arrays.
 TYPES = ("uint8", "int8", "uint16", "uint32", "int32", "float32")
 
 
@@ -22,9 +22,9 @@ class Packed:
     Parameters
     ----------
     manifest
-        Where each array is: `name`, `type` (one of `TYPES`), `offset` in bytes, `length`.
+        The position of each array: `name`, `type` (one of `TYPES`), `offset` in bytes, `length`.
     text
-        The block: little-endian, each array on a multiple of 4 bytes, gzip, base64.
+        The block: little-endian, with each array at a multiple of 4 bytes, as gzip in base64.
     """
 
     manifest: list[dict[str, Any]]
@@ -66,12 +66,12 @@ def pack(arrays: Mapping[str, NDArray[Any]]) -> Packed:
 
 
 def smallest_unsigned(array: NDArray[Any]) -> NDArray[Any]:
-    """Return integers from 0 up in the smallest unsigned type that holds them.
+    """Return non-negative integers in the smallest unsigned type that holds them.
 
     Parameters
     ----------
     array
-        Integers from 0 up, of any shape.
+        Non-negative integers, of any shape.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""One self-contained HTML page about a model."""
+"""Make one self-contained HTML page about a model."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def to_script_json(value: Any) -> str:
     Parameters
     ----------
     value
-        A value that JSON can represent, without NaN and infinity.
+        A value that JSON can represent, without NaN or infinity.
 
     Examples
     --------

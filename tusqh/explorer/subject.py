@@ -1,4 +1,4 @@
-"""Everything that the explorer shows of one model."""
+"""The subject of an explorer page: everything that it shows of one model."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Subject:
     Parameters
     ----------
     name
-        The model, any text.
+        Name of the model; any text.
     unit
         Unit of length of its geometry.
     y_up
@@ -68,7 +68,7 @@ class Subject:
     selection
         The chosen threshold.
     mesh
-        The mesh at it.
+        The mesh at that threshold.
     tables
         The tables named in `TABLES_SHOWN`, by name.
     """
@@ -88,12 +88,12 @@ class Subject:
 
 
 def subject_of(result: Result, *, geometry: str, unit: str = "m") -> Subject:
-    """Return what a mesh comes with as the subject of its explorer.
+    """Return the explorer's subject for a meshing result.
 
     Parameters
     ----------
     result
-        What `tusqh.mesh` returned.
+        The result of `tusqh.mesh`.
     geometry
         The geometry file, for the command.
     unit
@@ -129,18 +129,18 @@ def read_subject(
     unit: str = "m",
     settings: Settings | None = None,
 ) -> Subject:
-    """Return what a result folder holds about its model; the folder has the model's name.
+    """Return the subject in a result folder, which has the model's name.
 
     Parameters
     ----------
     folder
         The folder.
     geometry
-        The geometry file, for the command; without it the name that the folder knows it by.
+        The geometry file, for the command; None: the name that the folder records.
     unit
         Its unit of length.
     settings
-        How the model is meshed; None: what the folder says about it.
+        How the model is meshed; None: the settings that the folder records.
 
     Raises
     ------
@@ -183,7 +183,7 @@ def read_subject(
 
 
 def stands_on_y(geometry: str) -> bool:
-    """Return whether the format of a geometry file has y point up.
+    """Return whether y points up in the format of a geometry file.
 
     Parameters
     ----------

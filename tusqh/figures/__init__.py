@@ -1,1 +1,1 @@
-"""Figures, each drawn from arrays and tables alone."""
+"""Draw figures from arrays and tables alone."""

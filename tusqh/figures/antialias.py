@@ -1,4 +1,4 @@
-"""Sub-cells and templates where the most pinches are, as in the paper's anti-aliasing figure."""
+"""Draw sub-cells and templates around most pinches, as in the paper's anti-aliasing figure."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ def draw_antialias(
     fractions
         Volume fractions.
     mesh
-        The mesh made of them.
+        The mesh made from them.
     threshold
-        Its threshold, dimensionless.
+        Threshold of the mesh, dimensionless.
     unit
         Unit of length of the geometry.
     """
@@ -51,7 +51,7 @@ def draw_antialias(
     colours[mesh.kind == SEPARATING] = style.SEPARATING
     colours[mesh.kind == CONNECTING] = style.CONNECTING
     colours[mesh.kind == BRIDGE] = style.BRIDGE
-    # Some cells above the threshold may be removed, and some below it filled.
+    # Some cells above the threshold may have been removed, and some below it filled.
     is_whole = (mesh.kind == GRID_CELL) | (mesh.kind == INNER_CELL)
     kept = np.zeros(grid.shape, dtype=bool)
     kept.flat[mesh.grid_cell[is_whole]] = True
@@ -94,7 +94,7 @@ def draw_antialias(
 def _busiest(
     marked: np.ndarray[tuple[int, ...], np.dtype[np.bool_]],
 ) -> tuple[IntArray, IntArray]:
-    """Return the corners, in cells, of the square with the most marked places, around them."""
+    """Return the corners, in cells, of the square centred on the densest marked places."""
     size = np.minimum(_CLOSE_UP, np.subtract(marked.shape, 1))
     density = ndimage.uniform_filter(marked.astype(float), size=tuple(size), mode="constant")
     centre = np.array(np.unravel_index(int(density.argmax()), density.shape))
@@ -109,7 +109,7 @@ def _busiest(
 def _draw_sub_cells(
     axes: Axes, fractions: VolumeFractions, kept: BoolArray, threshold: float, scale: float
 ) -> None:
-    """Draw kept and removed cells with their interior edges and vertices."""
+    """Draw kept and removed cells, and the interior edges and vertices."""
     grid = fractions.grid
     removed = (fractions.cells >= threshold) & ~kept
     for mask, colour in ((kept, style.MATERIAL), (removed, style.REMOVED)):

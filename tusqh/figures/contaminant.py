@@ -1,4 +1,4 @@
-"""The spreading contaminant in six panels, as in the paper."""
+"""Draw the spreading contaminant in six panels, as in the paper."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from tusqh.figures import style
 from tusqh.grid import FloatArray, IntArray
 
-#: Concentrations are shown over this many powers of ten below the largest one released.
+#: Number of powers of ten, below the largest concentration, on the colour scale.
 _DECADES = 4
 
 
@@ -26,7 +26,7 @@ def draw_contaminant(
     name: str,
     unit: str,
 ) -> Figure:
-    """Return a figure with one panel per snapshot, on one logarithmic colour scale.
+    """Return a figure with one panel per snapshot and a common logarithmic colour scale.
 
     Parameters
     ----------

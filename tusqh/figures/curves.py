@@ -1,4 +1,4 @@
-"""The Betti numbers at every threshold, and the interval that was chosen."""
+"""Draw the Betti numbers at every threshold, and the chosen interval."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from tusqh.figures import style
 from tusqh.grid import FloatArray
 
-#: Betti numbers beyond this are drawn on a logarithmic scale.
+#: Betti numbers above this are drawn on a logarithmic scale.
 _LINEAR_UP_TO = 10
 
 
@@ -27,21 +27,21 @@ def draw_curves(
     wanted: str,
     name: str,
 ) -> Figure:
-    """Return a figure of the Betti curves of a model: of its filtration, and of its meshes.
+    """Return a figure of the Betti curves of a model's filtration and of its meshes.
 
     Parameters
     ----------
     curves
-        Plateaus of the filtration with the columns lower, upper and ``betti_*``; each pinch
-        follows its own sub-cell there.
+        Plateaus of the filtration, in which each pinch follows its own sub-cell, with the columns
+        lower, upper and ``betti_*``.
     topologies
         Examined plateaus, with the Betti numbers of their meshes after all decisions.
     threshold
         The chosen threshold, dimensionless.
     interval
-        The thresholds ``t`` with ``lower < t <= upper`` have the chosen topology.
+        Ends of the interval; thresholds ``t`` with ``lower < t <= upper`` have the chosen topology.
     wanted
-        What was asked for, in words.
+        The request, in words.
     name
         The model, for the title.
     """
@@ -92,7 +92,7 @@ def _in_symbols(wanted: str) -> str:
 
 
 def _as_steps(table: pd.DataFrame, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return plateaus as the points of a line, broken between plateaus that do not meet.
+    """Return plateaus as points of a line that is broken between plateaus that do not meet.
 
     >>> table = pd.DataFrame({"upper": [1.0, 0.5], "lower": [0.75, 0.0]})
     >>> x, y = _as_steps(table, np.array([2.0, 3.0]))

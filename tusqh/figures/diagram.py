@@ -1,4 +1,4 @@
-"""The persistence diagram over the threshold.
+"""Draw the persistence diagram over the threshold.
 
 The paper plots one minus the volume fractions of birth and death; here both axes are the
 threshold, as in all other figures.
@@ -25,17 +25,16 @@ def draw_diagram(
 ) -> Figure:
     """Return a figure of the persistence diagram with the chosen threshold marked.
 
-    A class is in the mesh at threshold ``t`` if it is born at or above ``t`` and dies below it:
-    these are the classes in the shaded quadrant.
+    A class is in the mesh at threshold ``t``, and its point in the shaded quadrant, if it is born
+    at or above ``t`` and dies below it.
 
     Parameters
     ----------
     pairs
-        Persistence pairs with the columns dimension, birth, death and essential; essential ones
-        are drawn hollow, on the line of those that never die.
+        Persistence pairs with the columns dimension, birth, death and essential; essential pairs
+        are hollow and lie on the line of classes that never die.
     diagonal
-        Pairs that are born and die at the same fraction, counted by the columns dimension, birth
-        and pairs.
+        Counts of the pairs with persistence 0, with the columns dimension, birth and pairs.
     threshold
         The chosen threshold, dimensionless.
     name
@@ -72,7 +71,7 @@ def draw_diagram(
 
 
 def _draw_pairs(panel: Axes, of_dimension: pd.DataFrame, k: int) -> None:
-    """Draw the pairs of a dimension, with their number where several coincide."""
+    """Draw the pairs of a dimension; label coinciding pairs with their number."""
     points = of_dimension.groupby(["x", "y"], as_index=False).size()
     is_hollow = (points["y"] == _NEVER).to_numpy()
     colour = style.DIMENSION_COLOURS[k]
@@ -90,7 +89,7 @@ def _draw_pairs(panel: Axes, of_dimension: pd.DataFrame, k: int) -> None:
 
 
 def _label(k: int, of_dimension: pd.DataFrame, n_alive: int, n_diagonal: int) -> str:
-    """Return the line of the legend for a dimension."""
+    """Return the legend entry of a dimension."""
     n_pairs, n_essential = len(of_dimension), int(of_dimension["essential"].sum())
     return (
         rf"$H_{k}$ {style.DIMENSION_NAMES[k]}: {n_pairs} pair{'' if n_pairs == 1 else 's'}, "

@@ -1,4 +1,4 @@
-"""The volume fractions of a dirty outline on all sub-cells: its winding number, averaged."""
+"""Draw the volume fractions of a dirty outline, its averaged winding number, on all sub-cells."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def draw_field(fractions: VolumeFractions, outline: Outline, *, name: str, unit:
     Parameters
     ----------
     fractions
-        Volume fractions; below 0 and above 1 where borders overlap.
+        Volume fractions, which are below 0 or above 1 where borders overlap.
     outline
         The geometry, drawn over them.
     name

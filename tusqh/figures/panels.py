@@ -1,4 +1,4 @@
-"""A model and its meshes at eight thresholds, as in the paper's 3 x 3 figures."""
+"""Draw a model and its meshes at eight thresholds, as in the paper's 3 x 3 figures."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ def draw_panels(
     *,
     name: str,
 ) -> Figure:
-    """Return the model, then its mesh at every threshold, with the Betti numbers measured on it.
+    """Return a figure of the model and its mesh at every threshold, with measured Betti numbers.
 
     Parameters
     ----------
     geometry
-        The geometry; of an image the voxels at least half full are drawn.
+        The geometry; for an image, the voxels that are at least half full are drawn.
     meshes
-        One hex mesh per threshold, None where no cell is kept.
+        One hex mesh per threshold; None if no cell is kept.
     thresholds
         Volume-fraction thresholds, dimensionless.
     name

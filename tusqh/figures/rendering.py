@@ -1,4 +1,4 @@
-"""Pictures of meshes and surfaces in space, rendered off-screen by pyvista."""
+"""Render pictures of meshes and surfaces in space off-screen with pyvista."""
 
 from __future__ import annotations
 
@@ -88,18 +88,18 @@ def field_on(points: FloatArray, cells: IntArray, field: FloatArray, origin: Flo
 
 
 def render(surface: Any, box: Any, *, size: tuple[int, int] = (640, 560), **look: Any) -> Any:
-    """Return a picture of a surface, shape (height, width, 3), uint8; with a white background.
+    """Return a picture of a surface on a white background, shape (height, width, 3), uint8.
 
     Parameters
     ----------
     surface
         A pyvista surface.
     box
-        What the camera frames: lowest and highest corner.
+        Lowest and highest corner of the box that the camera frames.
     size
         Width and height in pixels.
     **look
-        How it is drawn, for `pyvista.Plotter.add_mesh`.
+        Options of `pyvista.Plotter.add_mesh`.
 
     Raises
     ------
@@ -118,7 +118,7 @@ def render(surface: Any, box: Any, *, size: tuple[int, int] = (640, 560), **look
     towards = np.array(VIEW) / np.linalg.norm(VIEW)
     right = np.cross((0.0, 0.0, 1.0), towards)
     right /= np.linalg.norm(right)
-    # The smallest view that contains the box.
+    # Use the smallest view that contains the box.
     corners = np.array(list(itertools.product(*np.stack([low, high], axis=1)))) - centre
     wide, tall = (np.abs(corners @ axis).max() for axis in (right, np.cross(towards, right)))
     plotter.camera_position = [centre + 3 * extent * towards, centre, (0, 0, 1)]

@@ -1,4 +1,4 @@
-"""One look for all figures: the same colour for the same meaning, colour-blind safe."""
+"""The common style of all figures, with colour-blind-safe colours of fixed meaning."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ INTERIOR_EDGE = PALETTE[4]
 DIMENSION_COLOURS = (PALETTE[0], PALETTE[1], PALETTE[2])
 #: The mesh in figures of curves, for classes of any dimension.
 MESH_LINE = PALETTE[0]
-#: Volume fractions beyond 0 and 1, where a geometry overlaps or is inside out.
+#: Colours of volume fractions below 0 and above 1, where a geometry is inside out or overlaps.
 BELOW_RANGE, ABOVE_RANGE = PALETTE[3], PALETTE[6]
 DIMENSION_NAMES = ("components", "holes", "voids")
 
@@ -75,7 +75,7 @@ def new_figure(n_rows: int, n_columns: int, *, width: float, height: float) -> t
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure as PNG, SVG or PDF: complete or not at all, the same bytes every time.
+    """Write a figure as a PNG, SVG or PDF file, which is never incomplete and is reproducible.
 
     Parameters
     ----------
@@ -102,9 +102,9 @@ def length_scale(extent: float, unit: str) -> tuple[float, str]:
     Returns
     -------
     scale : float
-        Lengths are divided by this.
+        Divisor of lengths.
     unit : str
-        The unit that they are in then.
+        Unit of the divided lengths.
 
     Examples
     --------
@@ -138,7 +138,7 @@ def duration(seconds: float) -> str:
 
 
 def unit_text(unit: str) -> str:
-    """Return a unit as figures show it, with a raised exponent.
+    """Return a unit in the form for figures, with a raised exponent.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def unit_text(unit: str) -> str:
 
 
 def is_wide(lower: Any, upper: Any) -> bool:
-    """Return whether a box is so wide that its panels belong below one another.
+    """Return whether a box is so wide that its panels should be stacked.
 
     Parameters
     ----------
@@ -174,12 +174,12 @@ def is_wide(lower: Any, upper: Any) -> bool:
 def draw_polygons(
     axes: Axes, points: FloatArray, cells: IntArray, *, colour: Any, line_width: float = 0.0
 ) -> None:
-    """Fill elements with one colour, or one each.
+    """Fill elements with one common colour or with individual colours.
 
     Parameters
     ----------
     axes
-        Where to draw.
+        The axes on which to draw.
     points
         Coordinates, shape (n, 2).
     cells
@@ -189,7 +189,7 @@ def draw_polygons(
     line_width
         Width of the edges in points; 0 for none.
     """
-    # Without an edge of their own colour, neighbours show a white seam between them.
+    # Without edges of the same colour, white seams appear between neighbours.
     edge, width = ("#406070", line_width) if line_width else ("face", 0.3)
     axes.add_collection(
         PolyCollection(list(points[cells]), facecolors=colour, edgecolors=edge, linewidths=width)
@@ -202,11 +202,11 @@ def draw_outline(axes: Axes, outline: Outline, scale: float) -> None:
     Parameters
     ----------
     axes
-        Where to draw.
+        The axes on which to draw.
     outline
         The geometry.
     scale
-        Coordinates are divided by this.
+        Divisor of coordinates.
     """
     lines = outline.points[outline.segments] / scale
     axes.add_collection(LineCollection(list(lines), colors=OUTLINE, linewidths=0.4, zorder=3))
@@ -218,7 +218,7 @@ def frame(axes: Axes, lower: Any, upper: Any, unit: str) -> None:
     Parameters
     ----------
     axes
-        Where to draw.
+        The axes on which to draw.
     lower, upper
         Corners of the box, shape (2,).
     unit

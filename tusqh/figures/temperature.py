@@ -1,4 +1,4 @@
-"""Heat spreading from a hot spot in a volume, in six panels cut open through the spot."""
+"""Draw heat spreading from a hot spot in a volume, in six panels cut open at the spot."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tusqh.figures import style
 from tusqh.figures.rendering import field_on, render, show
 from tusqh.grid import FloatArray, IntArray
 
-#: Values are shown over this many powers of ten below the largest one released.
+#: Number of powers of ten, below the largest value, on the colour scale.
 _DECADES = 4
 
 
@@ -26,7 +26,7 @@ def draw_temperature(
     *,
     name: str,
 ) -> Figure:
-    """Return a figure with one panel per snapshot, on one logarithmic colour scale.
+    """Return a figure with one panel per snapshot and a common logarithmic colour scale.
 
     Parameters
     ----------

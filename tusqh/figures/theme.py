@@ -10,7 +10,7 @@ from typing import Any
 
 from cycler import cycler
 
-#: Ten colours that colour-blind people can tell apart.
+#: Ten colours that colour-blind people can distinguish.
 PALETTE = (
     "#0173b2",
     "#de8f05",
@@ -24,7 +24,7 @@ PALETTE = (
     "#56b4e9",
 )
 
-#: Settings of matplotlib that differ from its defaults.
+#: Matplotlib settings that differ from the defaults.
 THEME: dict[str, Any] = {
     "axes.axisbelow": True,
     "axes.edgecolor": ".15",

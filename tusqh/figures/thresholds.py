@@ -1,4 +1,4 @@
-"""The kept cells at three thresholds, with the Betti numbers of their meshes."""
+"""Draw the kept cells at three thresholds, with the Betti numbers of their meshes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def draw_thresholds(
     outline
         The geometry, drawn over the cells.
     thresholds
-        One panel each.
+        The thresholds, each of which gets one panel.
     name
         The model, for the title.
     unit

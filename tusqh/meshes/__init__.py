@@ -1,1 +1,1 @@
-"""The volume mesh: connectivity, boundary, manifold checks, files."""
+"""The volume mesh: connectivity, boundary, manifold checks and files."""

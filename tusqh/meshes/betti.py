@@ -1,4 +1,4 @@
-"""The Betti numbers of a finished mesh, measured from its connectivity alone, by two methods."""
+"""Measure the Betti numbers of a finished mesh from its connectivity alone, by two methods."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from tusqh.topology.betti_numbers import BettiNumbers
 
 
 def count_components(groups: IntArray) -> int:
-    """Return the number of components of rows, where rows that share an entry are joined.
+    """Return the number of components of rows; rows that share an entry are joined.
 
     Parameters
     ----------
     groups
-        Indices from 0 up, shape (n, k); the entries of a row belong to one component.
+        Non-negative indices, shape (n, k); the entries of a row belong to one component.
 
     Examples
     --------
@@ -63,8 +63,9 @@ def betti_by_boundary(mesh: ElementMesh) -> BettiNumbers:
     """Return the Betti numbers of a mesh from its boundary.
 
     Components are sets of elements that share facets; each has one outer boundary.  In 2D every
-    other loop of the boundary is a hole.  In 3D every other surface is a void, and the holes are
-    the total genus of all surfaces.  Equal to `betti_by_euler` on manifold meshes only.
+    other loop of the boundary is a hole.  In 3D every other surface is a void, and the number of
+    holes is the total genus of all surfaces.  The result equals `betti_by_euler` only for manifold
+    meshes.
 
     Parameters
     ----------

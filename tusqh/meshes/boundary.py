@@ -1,4 +1,4 @@
-"""The boundary of a mesh: which facets lie on the sides of its box, and which way others face."""
+"""Classify the boundary facets of a mesh by the side of its box or by their direction."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.facets import Facets
 
 #: Sides of the boundary; attribute ``k`` is ``SIDES[k - 1]``.  `x_min` holds the facets that lie
-#: on the plane of the mesh's box where x is smallest, `normal_x_minus` those that face -x
-#: anywhere else, such as the walls of a hole, and `slanted` those of templates, which face no axis.
+#: on the plane of the mesh's box where x is smallest, `normal_x_minus` other facets that face -x,
+#: such as the walls of a hole, and `slanted` the facets of templates, which face no axis.
 SIDES = (
     *("x_min", "x_max", "y_min", "y_max", "z_min", "z_max"),
     *("normal_x_minus", "normal_x_plus", "normal_y_minus", "normal_y_plus"),
     *("normal_z_minus", "normal_z_plus", "slanted"),
 )
 
-#: Attribute of the first side by direction, less one.
+#: Attribute of the first side that is named by its direction, less one.
 _BY_NORMAL = 6
 
 #: Largest deviation of a unit normal from an axis.
@@ -37,11 +37,11 @@ class Boundary:
     corners
         Points of every facet, ordered so that it faces outwards, shape (m, 2**(dim - 1)).
     element
-        Element that each facet belongs to, shape (m,).
+        Element to which each facet belongs, shape (m,).
     local
-        Which of the element's facets it is, shape (m,).
+        Number of the facet within its element, shape (m,).
     attribute
-        From 1: the side of each facet, see `SIDES`, shape (m,).
+        Side of each facet, numbered from 1, see `SIDES`, shape (m,).
     """
 
     corners: IntArray
@@ -51,7 +51,7 @@ class Boundary:
 
 
 def describe_side(name: str) -> str:
-    """Return what a side of `SIDES` holds, in words.
+    """Return a description of the facets on a side of `SIDES`.
 
     Parameters
     ----------

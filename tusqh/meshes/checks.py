@@ -1,7 +1,7 @@
-"""Checks that a mesh must pass before anything is computed on it (algorithm 6).
+"""Check a mesh before anything is computed on it (algorithm 6).
 
-MFEM accepts pinched, inverted, flat and orphaned input silently, and an index out of range can
-crash the process, so these come first.
+MFEM silently accepts pinched, inverted, flat and orphaned input, and an index out of range can
+crash the process, so these checks come first.
 """
 
 from __future__ import annotations
@@ -30,22 +30,23 @@ CONFORMITY = frozenset(
 
 @dataclass(frozen=True)
 class Check:
-    """One check of a mesh: what was checked, found and required.
+    """One check of a mesh: its subject, the finding and the requirement.
 
     Parameters
     ----------
     id
-        Identifier, which stays the same when the sentence changes.
+        Identifier, which does not change when the wording does.
     name
         What was checked, in words.
     found, required
-        What the mesh has, and what it must have.
+        The value of the mesh, and the value that it must have.
     holds
-        Whether it passed; None where the check could not be run, and `found` then says why.
+        Whether the mesh passed; None if the check could not be run, in which case `found` gives the
+        reason.
     is_warning
-        Whether the mesh may be used although the check does not hold.
+        Whether the mesh may be used even if the check fails.
     remedy
-        What the user can do where it does not hold.
+        What the user can do if the check fails.
     """
 
     id: str
@@ -60,8 +61,8 @@ class Check:
 def check_mesh(mesh: ElementMesh) -> list[Check]:
     """Return the checks of indices, coordinates, conformity, boundary and orientation.
 
-    Later checks need the earlier ones: the list ends at the first group that fails.
-    `tusqh.meshes.volume_mesh.VolumeMesh.measurement` remembers them.
+    Later checks need the earlier ones, so the list ends at the first group that fails.
+    `tusqh.meshes.volume_mesh.VolumeMesh.measurement` caches them.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Points and elements, with everything that follows from them alone."""
+"""Points and elements, and the properties that follow from them alone."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from tusqh.meshes.jacobians import Jacobians, corner_jacobians, element_volumes
 class ElementMesh:
     """Quads in the plane or hexes in space; each property is computed once, when first needed.
 
-    `tusqh.meshes.volume_mesh.VolumeMesh` is the class of all meshes; this base has what the
-    modules that measure a mesh need.
+    `tusqh.meshes.volume_mesh.VolumeMesh` is the class of all meshes; this base class provides what
+    the modules that measure a mesh need.
 
     Attributes
     ----------
@@ -23,7 +23,7 @@ class ElementMesh:
     cells
         Corners of every element, shape (m, 2**dim), VTK order.
     name
-        The model it belongs to, for messages.
+        The model to which it belongs, for messages.
     """
 
     points: FloatArray

@@ -1,4 +1,4 @@
-"""Mesh files: VTU, which ParaView, meshio and MFEM read."""
+"""Read and write VTU mesh files, which ParaView, meshio and MFEM read."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _VTK_QUAD, _VTK_HEXAHEDRON = 9, 12
 def write_vtu(
     path: Path, mesh: VolumeMesh, *, cell_data: Mapping[str, FloatArray | IntArray] | None = None
 ) -> None:
-    """Write a mesh as binary VTU; the file appears whole or not at all.
+    """Write a mesh as binary VTU; the file appears complete or not at all.
 
     Every element carries `kind` (index into `tusqh.meshes.volume_mesh.KINDS`) and `grid_cell`.
 
@@ -69,7 +69,7 @@ def read_vtu(path: Path, *, name: str | None = None) -> VolumeMesh:
         )
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # Of files without points, which are rejected below.
+            warnings.simplefilter("ignore")  # Files without points are rejected below.
             grid = pyvista.read(path)
         types = set(np.unique(grid.celltypes).tolist())
     except Exception as reason:

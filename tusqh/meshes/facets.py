@@ -1,4 +1,4 @@
-"""Facets of a mesh: the sides of quads and the faces of hexes, and which lie on the boundary."""
+"""Find the facets of a mesh (sides of quads, faces of hexes) and those on the boundary."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ HEX_EDGES: IntArray = np.array(
 
 @dataclass(frozen=True)
 class Facets:
-    """The facets of a mesh, one row for each side of each element.
+    """The facets of a mesh, with one row for each side of each element.
 
     Parameters
     ----------
     corners
-        Points of every facet as its element walks them, shape (m * sides, 2**(dim - 1)).
+        Points of every facet in the order of its element, shape (m * sides, 2**(dim - 1)).
     cell
         Element of every row, shape (m * sides,).
     unique
-        Number of the facet with the same points, whoever walks it, shape (m * sides,).
+        Number of each facet, equal for rows with the same points, shape (m * sides,).
     n_cells_of
-        How many rows share each unique facet, shape (n_unique,).
+        Number of rows that share each unique facet, shape (n_unique,).
     """
 
     corners: IntArray
@@ -48,7 +48,7 @@ class Facets:
 
     @property
     def n_unique(self) -> int:
-        """Number of different facets."""
+        """Number of distinct facets."""
         return len(self.n_cells_of)
 
     @cached_property
@@ -87,8 +87,8 @@ def find_facets(cells: IntArray) -> Facets:
     corners = cells[:, local].reshape(-1, local.shape[1])
     cell = np.repeat(np.arange(len(cells), dtype=np.int64), len(local))
     ordered = np.sort(corners, axis=1)
-    # Two points name a side, and two opposite corners with the smallest one name a quad face
-    # only together with the third: pack pairs first, then rank them, to stay within int64.
+    # Two points identify a side, but a quad face needs all of its points: rank the pairs after
+    # each packing step, so that the keys stay within int64.
     key = _rank_pairs(ordered[:, 0], ordered[:, 1])
     for column in range(2, ordered.shape[1]):
         key = _rank_pairs(key, ordered[:, column])
@@ -97,7 +97,7 @@ def find_facets(cells: IntArray) -> Facets:
 
 
 def _rank_pairs(first: IntArray, second: IntArray) -> IntArray:
-    """Return a number for each pair: equal for equal pairs, in lexicographic order."""
+    """Return a number for each pair, equal for equal pairs and in lexicographic order."""
     if len(first) == 0:
         return np.empty(0, dtype=np.int64)
     packed = first * (int(second.max()) + 1) + second
@@ -105,7 +105,7 @@ def _rank_pairs(first: IntArray, second: IntArray) -> IntArray:
 
 
 def count_edges(cells: IntArray) -> int:
-    """Return the number of different edges of hexes, shape (m, 8).
+    """Return the number of distinct edges of hexes, shape (m, 8).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Meshes in the formats of MFEM, Gmsh, Exodus and Abaqus, with the sides of their boundary."""
+"""Write meshes for MFEM, Gmsh, Exodus and Abaqus, with the sides of their boundary."""
 
 from __future__ import annotations
 
@@ -18,25 +18,26 @@ from tusqh.meshes.export import write_vtu
 from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
 
-#: Local facet to the number that a format gives it, in the order of `HEX_FACETS`; the sides of
-#: quads are numbered alike everywhere.
+#: Number of each local facet of a hex in a format, in the order of `HEX_FACETS`; all formats number
+#: the sides of quads alike.
 _EXODUS_FACES = np.array([4, 2, 1, 3, 5, 6])
 _ABAQUS_FACES = np.array([6, 4, 3, 5, 1, 2])
 
-#: CalculiX reads the first 20 characters of a number and cuts off the rest, exponent included:
-#: a sign, 14 digits, a point and an exponent of three digits are 21 at most, 20 in "%.13g".
+#: CalculiX reads the first 20 characters of a number and cuts off the rest, even the exponent.
+#: A sign, 14 digits, a point and an exponent of three digits need up to 21; "%.13g" needs 20.
 _ABAQUS_NUMBER = "%.13g"
 
-#: Coordinates smaller than this part of the largest extent are zeros.
+#: Coordinates smaller than this fraction of the largest extent are written as zeros.
 _DUST = 1e-12
 
 
 def write_mesh(path: Path, mesh: VolumeMesh, regions: Regions | None = None) -> None:
-    """Write a mesh in the format of a file's suffix, whole or not at all.
+    """Write a mesh in the format of a file's suffix; the file appears complete or not at all.
 
-    ``.vtu`` (VTK), ``.mesh`` (MFEM, boundary attributes), ``.msh`` (Gmsh 2.2 in ASCII, physical
-    groups), ``.exo`` (Exodus, side sets), ``.inp`` (Abaqus, surfaces); the sides are those of
-    `tusqh.meshes.boundary.SIDES`, which attributes of MFEM number from 1.  VTU has no sides.
+    The suffixes are ``.vtu`` (VTK), ``.mesh`` (MFEM, boundary attributes), ``.msh`` (Gmsh 2.2 in
+    ASCII, physical groups), ``.exo`` (Exodus, side sets) and ``.inp`` (Abaqus, surfaces).  The
+    sides are those of `tusqh.meshes.boundary.SIDES`, which attributes of MFEM number from 1.  VTU
+    has no sides.
 
     Parameters
     ----------
@@ -45,8 +46,9 @@ def write_mesh(path: Path, mesh: VolumeMesh, regions: Regions | None = None) -> 
     mesh
         The mesh.
     regions
-        Material of every element: cell data `material` of VTU, attributes of MFEM, physical groups
-        of Gmsh, blocks of Exodus and element sets of Abaqus, numbered from 1; None: one, `solid`.
+        Material of every element.  It becomes cell data `material` in VTU, attributes in MFEM,
+        physical groups in Gmsh, blocks in Exodus and element sets in Abaqus, numbered from 1; None:
+        a single material, `solid`.
 
     Raises
     ------
@@ -70,7 +72,7 @@ def write_mesh(path: Path, mesh: VolumeMesh, regions: Regions | None = None) -> 
 
 
 def require_format(path: Path) -> None:
-    """Raise a `MeshError` when the suffix of a file names no format of `write_mesh`.
+    """Raise a `MeshError` if the suffix of a file names no format of `write_mesh`.
 
     Parameters
     ----------
@@ -116,7 +118,7 @@ def _write_mfem(path: Path, mesh: VolumeMesh, regions: Regions, boundary: Bounda
 def _write_gmsh(path: Path, mesh: VolumeMesh, regions: Regions, boundary: Boundary) -> None:
     import meshio
 
-    # The numbers of regions, from 1 in other formats, must differ from those of the sides here.
+    # Here the numbers of regions, which start at 1 in other formats, must differ from the sides'.
     groups = [boundary.attribute, len(SIDES) + 1 + regions.material]
     present = np.unique(boundary.attribute)
     names = {SIDES[k - 1]: np.array([k, mesh.dim - 1]) for k in present}
@@ -147,8 +149,8 @@ def _write_exodus(path: Path, mesh: VolumeMesh, regions: Regions, boundary: Boun
         blocks = [(kind, mesh.cells[region.elements]) for region in regions.present]
         meshio.exodus.write(temporary, meshio.Mesh(mesh.points_in_space(), blocks))
         with netCDF4.Dataset(temporary, "a") as file:
-            file.title = mesh.name  # In place of meshio's, which has the time in it.
-            # meshio counts blocks from 0, other programs from 1.
+            file.title = mesh.name  # Replace meshio's title, which contains the time.
+            # meshio numbers blocks from 0, other programs from 1.
             file["eb_prop1"][:] = [region.number for region in regions.present]
             width = file.dimensions["len_string"].size
             named = file.createVariable("eb_names", "S1", ("num_el_blk", "len_string"))
@@ -171,7 +173,7 @@ def _write_exodus(path: Path, mesh: VolumeMesh, regions: Regions, boundary: Boun
 
 
 def _to_characters(label: str, width: int) -> Any:
-    """Return a name as Exodus stores it: single characters, zeros after the last."""
+    """Return a name as Exodus stores it: single characters, padded with zeros."""
     return np.frombuffer(label.ljust(width, "\0").encode(), dtype="S1")
 
 
@@ -199,7 +201,7 @@ def _write_abaqus(path: Path, mesh: VolumeMesh, regions: Regions, boundary: Boun
 
 
 def _without_dust(points: FloatArray) -> FloatArray:
-    """Return coordinates with exact zeros where they differ from 0 by rounding only."""
+    """Return coordinates with exact zeros in place of rounding errors."""
     extent = float(np.ptp(points, axis=0).max(initial=0.0))
     return np.where(np.abs(points) < _DUST * extent, 0.0, points)
 

@@ -1,4 +1,4 @@
-"""Corner Jacobians of quads and hexes."""
+"""Compute the corner Jacobians and volumes of quads and hexes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Jacobians(NamedTuple):
     determinant
         Determinants of the edges that leave each corner, shape (m, 2**dim), model units**dim.
     scaled
-        The same with edges of unit length, dimensionless; NaN where an edge has no length.
+        The same with edges of unit length, dimensionless; NaN if an edge has no length.
     """
 
     determinant: FloatArray
@@ -70,7 +70,7 @@ def corner_jacobians(points: FloatArray, cells: IntArray) -> Jacobians:
 
 @numba.njit(cache=True)
 def _hex_corners(points, cells, neighbours, jacobian, lengths):  # type: ignore[no-untyped-def]
-    """Fill in the determinants of the edges that leave each corner and their lengths' product."""
+    """Fill in, for each corner, the determinant of its edges and the product of their lengths."""
     edge = np.empty((3, 3))
     for cell in range(len(cells)):
         for corner in range(8):
@@ -94,7 +94,7 @@ def _hex_corners(points, cells, neighbours, jacobian, lengths):  # type: ignore[
 def element_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
     """Return the area of every quad or the volume of every hex, shape (m,), model units**dim.
 
-    Hex faces are bilinear: the mean of both ways to cut each of them into triangles is exact.
+    Hex faces are bilinear, so the mean of the two ways to cut each face into triangles is exact.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The boundary points at which a mesh is not a manifold."""
+"""Find the boundary points at which a mesh is not a manifold."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def find_non_manifold_points(facets: Facets) -> IntArray:
 
 
 def _link_wedges(edges: Facets, rows: IntArray) -> IntArray:
-    """Return the pairs of wedges that lie side by side at a point, shape (n, 2).
+    """Return the pairs of adjacent wedges at a point, shape (n, 2).
 
     Corner c of face f is the wedge ``4 f + c``, and edge ``4 f + c`` runs from it to the next
     wedge of the face.  `rows` are the edges that exactly two faces share.

@@ -1,4 +1,4 @@
-"""The measurement of a mesh, which every table, certificate and verdict quotes."""
+"""The measurement of a mesh, on which every table, certificate and verdict is based."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Measurement:
 
     @property
     def is_manifold(self) -> bool:
-        """Whether the boundary is a manifold; False where an earlier check failed."""
+        """Whether the boundary is a manifold; False if an earlier check failed."""
         return any(check.id == "non_manifold_points" and check.holds for check in self.checks)
 
     @cached_property
@@ -69,7 +69,7 @@ class Measurement:
 
     @cached_property
     def smallest_scaled_jacobian(self) -> float:
-        """The smallest scaled Jacobian of all corners, 1 for a mesh without elements."""
+        """The smallest scaled Jacobian of all corners; 1 for a mesh without elements."""
         return float(self.mesh.jacobians.scaled.min(initial=1.0))
 
     @cached_property
@@ -107,7 +107,7 @@ class Measurement:
 def measure(mesh: ElementMesh) -> Measurement:
     """Return the measurement of a mesh.
 
-    `tusqh.meshes.volume_mesh.VolumeMesh.measurement` is the same and remembered.
+    `tusqh.meshes.volume_mesh.VolumeMesh.measurement` is the same measurement, cached.
 
     Parameters
     ----------

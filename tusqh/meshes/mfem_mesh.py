@@ -1,4 +1,4 @@
-"""A volume mesh as MFEM's own mesh, after our checks passed."""
+"""Convert a volume mesh that passes our checks to a mesh of MFEM."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from tusqh.meshes.measure import Measurement
 def to_mfem(measured: Measurement) -> Any:
     """Return the `mfem.ser.Mesh` of a measured mesh of quads or hexes.
 
-    MFEM accepts pinched, inverted, flat and orphaned input silently and can crash the process on
-    a bad index, so the mesh must be sound.
+    MFEM silently accepts pinched, inverted, flat and orphaned input, and a bad index can crash the
+    process, so the mesh must be sound.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def to_mfem(measured: Measurement) -> Any:
 
 
 def _from_arrays(mesh: ElementMesh) -> Any:
-    """Return the MFEM mesh that owns a copy of the arrays; MFEM makes the boundary itself."""
+    """Return an MFEM mesh that owns a copy of the arrays; MFEM constructs the boundary itself."""
     mfem = require("mfem.ser", extra="simulate")
 
     coordinates = np.zeros((len(mesh.points), 3))

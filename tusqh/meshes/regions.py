@@ -1,4 +1,4 @@
-"""The regions of a mesh: which material every element has, and what it is called in files."""
+"""The regions of a mesh: the material of every element, and its name in files."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ class Region(NamedTuple):
     Parameters
     ----------
     number
-        Its number in files, from 1.
+        Number of the region in files, from 1.
     name
-        Its name in files: letters, digits and underscores.
+        Name of the region in files, which consists of letters, digits and underscores.
     elements
-        Its elements, ascending, shape (r,).
+        Elements of the region, ascending, shape (r,).
     """
 
     number: int

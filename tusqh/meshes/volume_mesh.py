@@ -34,9 +34,9 @@ class VolumeMesh(ElementMesh):
     kind
         Kind of each element (index into `KINDS`), shape (m,).
     grid_cell
-        Flat index (C order) of the background-grid cell that each element lies in, shape (m,).
+        Flat index (C order) of the background-grid cell in which each element lies, shape (m,).
     name
-        The model it belongs to, for messages.
+        The model to which it belongs, for messages.
     """
 
     points: FloatArray
@@ -100,7 +100,7 @@ class VolumeMesh(ElementMesh):
         return meshio.Mesh(self.points_in_space(), [(cell_type, self.cells)], cell_data=data)
 
     def to_mfem(self) -> Any:
-        """Return the mesh as an `mfem.ser.Mesh`, after our checks passed.
+        """Return the mesh as an `mfem.ser.Mesh` if it passes our checks.
 
         Raises
         ------

@@ -1,1 +1,1 @@
-"""The overview: one page over all models, which opens from disk and links to all other results."""
+"""The overview: one page on all models, which opens from disk and links to all other results."""

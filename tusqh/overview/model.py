@@ -1,4 +1,4 @@
-"""The text and tables that the overview shows of one model, read from its results."""
+"""Read the text and tables that the overview shows of one model from its results."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tusqh.pipeline.describe_reading import lines_of_reading
 from tusqh.quality.verdict import compare_volumes, overall
 from tusqh.threshold.within_interval import describe_extent
 
-#: Columns of the register that say where a geometry comes from.
+#: Columns of the register that describe the origin of a geometry.
 _ORIGIN = ("origin", "licence", "url", "known_defects")
 
 #: Files of a model that the overview reads, by their names in `tusqh.files`.
@@ -43,7 +43,7 @@ LINK_TITLES = {
 
 @dataclass(frozen=True)
 class ModelEntry:
-    """A model as the overview shows it: plain values and tables only.
+    """A model as shown in the overview, with plain values and tables only.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class ModelEntry:
     lines
         Wanted, predicted, selected and measured topology, size and verdict, by title.
     source
-        Where the geometry comes from: file, SHA-256, origin, licence.
+        Provenance of the geometry: file, SHA-256, origin, licence.
     tables
         Defects, candidates, verification and verdict, by title.
     figures
@@ -80,20 +80,20 @@ def read_model(
     links: Mapping[str, Path] | None = None,
     register: pd.DataFrame | None = None,
 ) -> ModelEntry:
-    """Return what the overview shows of a model.
+    """Return the overview's entry for a model.
 
     Parameters
     ----------
     folder
         Folder of the model's results, with the files named in `FILES_READ`.
     geometry
-        The geometry, as the configuration names it.
+        The geometry, as named in the configuration.
     figures
         Pictures, in the order in which they are shown.
     links
         Other files to link to, by title; by default the files in `LINK_TITLES`.
     register
-        The data register, where there is one.
+        The data register, if there is one.
 
     Returns
     -------
@@ -148,7 +148,7 @@ def read_model(
 
 
 def _describe_reading(reading: dict[str, Any]) -> dict[str, str]:
-    """Return what was read from the file, and the remarks on it."""
+    """Return the description of the reading, and the remarks on it."""
     remarks = "; ".join(str(Remark(**remark)) for remark in reading["remarks"])
     return lines_of_reading(reading) | ({"remarks": remarks} if remarks else {})
 

@@ -1,4 +1,4 @@
-"""The page of the overview: a template filled with escaped text, tables and relative links."""
+"""Render the overview from a template, with escaped text, tables and relative links."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import pandas as pd
 
 from tusqh.overview.model import ModelEntry
 
-#: Longer tables are cut on the page, with a link to the whole file.
+#: Longer tables are truncated on the page and link to the whole file.
 MAX_ROWS = 60
 
 
@@ -32,20 +32,20 @@ def render_overview(
     Parameters
     ----------
     page
-        Path that the page will have; links are relative to its folder.
+        Future path of the page; links are relative to its folder.
     models
         The models, in the order in which they are shown.
     tables
-        Tables over all models, by title.
+        Tables on all models, by title.
     figures
-        Pictures over all models, by title.
+        Pictures on all models, by title.
     captions
         Captions of pictures, by the file name without suffix.
 
     Returns
     -------
     str
-        The page, which refers to nothing but files of the results.
+        The page, which refers only to files of the results.
     """
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True

@@ -1,4 +1,4 @@
-"""Stage 5: the manifold mesh at the chosen threshold, and its certificate."""
+"""Stage 5: build the manifold mesh at the chosen threshold, and its certificate."""
 
 from __future__ import annotations
 
@@ -26,22 +26,22 @@ from tusqh.threshold.selection import Selection
 
 @dataclass(frozen=True)
 class Built:
-    """A mesh with the fractions and the selection that it was made from.
+    """A mesh with the fractions and the selection from which it was made.
 
     Parameters
     ----------
     selection
-        The threshold and why it was chosen.
+        The threshold and the reason for its choice.
     fractions
-        The volume fractions that were cut at it.
+        The volume fractions to which the threshold was applied.
     resolved
-        The mesh with its cells, decisions, bridges, and the features removed and filled.
+        The mesh with its cells, decisions, bridges, and the removed and filled features.
     reference
-        The volume that the mesh should have, where the geometry was given.
+        The volume that the mesh should have, if the geometry was given.
     original
-        The geometry and the settings that the mesh was compared with, where they were given.
+        The geometry and the settings with which the mesh was compared, if they were given.
     comparison
-        Checks of the mesh against the geometry, where that was given.
+        Checks of the mesh against the geometry, if it was given.
     """
 
     selection: Selection
@@ -83,7 +83,7 @@ class Built:
         }
 
     def write_mesh(self, path: Path) -> None:
-        """Write the mesh as VTU, with the volume fraction of the cell each element lies in.
+        """Write the mesh as VTU, with the volume fraction of the cell in which each element lies.
 
         Parameters
         ----------
@@ -108,9 +108,9 @@ class Built:
         Parameters
         ----------
         fractions
-            Where the fractions are already, in the folder of the mesh; the certificate names it.
+            The existing file of fractions in the folder of the mesh; the certificate names it.
         mesh, certificate, features, bridges, facts
-            Files to write; the certificate is measured on the mesh as it was written.
+            Files to write; the certificate measures the written mesh.
 
         Raises
         ------
@@ -138,20 +138,20 @@ def build(
     original: Original | None = None,
     reference: Reference | None = None,
 ) -> Built:
-    """Return the mesh of volume fractions at a chosen threshold, every pinch resolved.
+    """Return the mesh of volume fractions at a chosen threshold, with every pinch resolved.
 
     Parameters
     ----------
     fractions
         Volume fractions.
     selection
-        The threshold; the mesh that verified it is taken where there is one.
+        The threshold; if a mesh verified it, that mesh is used.
     name
         The model.
     original
-        The geometry with which the mesh is compared; None: it is not.
+        The geometry with which the mesh is compared; None: no comparison.
     reference
-        Its volume, where that was measured before.
+        The volume of the geometry, if it has already been measured.
 
     Raises
     ------
@@ -170,7 +170,7 @@ def build(
 
 
 def require_volume(built: Built) -> None:
-    """Raise an error where the volume was to be matched and no threshold does it.
+    """Raise an error if the volume was to be matched but no threshold does so.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def require_volume(built: Built) -> None:
     Raises
     ------
     TopologyError
-        Its volume is farther off than the tolerance; the message says what helps.
+        The error of its volume exceeds the tolerance; the message gives a remedy.
     """
     check = next(check for check in built.comparison if check.id == "volume")
     if not check.holds:

@@ -1,4 +1,4 @@
-"""What was read from a file: counts, bounding box, unit, whether it is closed, and remarks."""
+"""Describe a reading: counts, bounding box, unit, whether the geometry is closed, and remarks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tusqh.geometry.soup_defects import SOUP_DEFECTS
 from tusqh.geometry.soup_facts import SoupFacts
 from tusqh.readers.reading import Reading
 
-#: Counts by kind of geometry: those that say how much was read, and the one that is 0 where closed.
+#: Counts of what was read, by kind of geometry, and the count that is 0 if the geometry is closed.
 _COUNTS = {
     "surface": (("parts", "triangles", "points"), "boundary_edges"),
     "outline": (("chains", "segments", "points"), "open_ends"),
@@ -27,7 +27,7 @@ _SOURCES = {"file": "stated by the file", "format": "fixed by the format"}
 
 
 def describe_reading(reading: Reading) -> dict[str, Any]:
-    """Return what was read, as plain values.
+    """Return a description of a reading as plain values.
 
     Parameters
     ----------
@@ -74,12 +74,12 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
 
 
 def lines_of_reading(facts: Mapping[str, Any]) -> dict[str, str]:
-    """Return what was read in three lines, each with its title.
+    """Return a description of a reading in three lines, each with its title.
 
     Parameters
     ----------
     facts
-        As `describe_reading` returns them.
+        The facts from `describe_reading`.
 
     Examples
     --------
@@ -109,17 +109,17 @@ def lines_of_reading(facts: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _chosen(defects: Sequence[Defect[Any]]) -> list[Defect[Any]]:
-    """Return the rows of the table of defects that are counts of a reading too."""
+    """Return the rows of the table of defects that are also counts of a reading."""
     wanted = {noun for nouns, fault in _COUNTS.values() for noun in (*nouns, fault)}
     return [defect for defect in defects if defect.name in wanted]
 
 
 def _with_points(table: pd.DataFrame, n_points: int) -> dict[str, int]:
-    """Return the counts of a table of defects, and that of points."""
+    """Return the counts of a table of defects, and the number of points."""
     return {**dict(zip(table["defect"], table["count"].tolist(), strict=True)), "points": n_points}
 
 
 def _in_words(n: int, noun: str) -> str:
-    """Return a count with its noun, which is given as a plural."""
+    """Return a count with its noun; `noun` is a plural."""
     words = noun.replace("_", " ")
     return f"{n:,} {words[:-1] if n == 1 else words}"

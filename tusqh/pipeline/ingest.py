@@ -1,4 +1,4 @@
-"""Stage 1: the geometry, from a file or from memory, and its defects."""
+"""Stage 1: read the geometry from a file or from memory, and describe its defects."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from tusqh.sampling.describe_winding import describe_winding
 def ingest(
     source: Any, *, name: str = "geometry", image: Mapping[str, Any] | None = None
 ) -> Geometry:
-    """Return the geometry in a file or in memory, without any repair.
+    """Return the geometry from a file or from memory, without any repair.
 
     Parameters
     ----------
@@ -31,9 +31,9 @@ def ingest(
         arrays: points of shape (n, 3) with triangles of shape (m, 3), or points of shape (n, 2)
         with segments of shape (m, 2); or an `Outline`, `Soup` or `Image`.
     name
-        What messages call a geometry that comes from memory.
+        Name, in messages, of a geometry from memory.
     image
-        For voxels: their size and what their values mean, see `tusqh.settings.voxels.Voxels`.
+        For voxels: their size and the meaning of their values, see `tusqh.settings.voxels.Voxels`.
 
     Raises
     ------
@@ -52,12 +52,12 @@ def ingest(
 def read_source(
     source: Any, *, name: str = "geometry", image: Mapping[str, Any] | None = None
 ) -> Reading:
-    """Return the geometry in a file or in memory, with remarks on what was left out or changed.
+    """Return the geometry from a file or from memory, and remarks on omissions and changes.
 
     Parameters
     ----------
     source, name, image
-        As for `ingest`.
+        See `ingest`.
 
     Returns
     -------
@@ -67,7 +67,7 @@ def read_source(
     Raises
     ------
     GeometryError
-        The source is none of the kinds that `ingest` takes, or holds no valid geometry.
+        The source is not of a kind that `ingest` accepts, or holds no valid geometry.
     """
     if isinstance(source, (str, Path)):
         return read_file(locate(str(source)), image=image)

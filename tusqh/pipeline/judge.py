@@ -1,4 +1,4 @@
-"""Stage 6: whether the mesh is fit for analysis."""
+"""Stage 6: judge whether the mesh is suitable for analysis."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from tusqh.topology.betti_numbers import BettiNumbers
 
 @dataclass(frozen=True)
 class Judgement:
-    """Every check of a mesh.
+    """All checks of a mesh.
 
     Parameters
     ----------
     elements
-        Element metrics, summarised: one row per metric; empty where VTK is not installed.
+        Summary of the element metrics, with one row per metric; empty if VTK is not installed.
     verdict
         One row per check, see `tusqh.quality.verdict.to_table`.
     """
@@ -47,14 +47,14 @@ class Judgement:
 def judge(
     mesh: VolumeMesh, predicted: BettiNumbers, *, comparison: Sequence[Check] = ()
 ) -> Judgement:
-    """Return every check of a mesh, by our own count, VTK, pymeshlab and MFEM.
+    """Return all checks of a mesh, by our own counts, VTK, pymeshlab and MFEM.
 
     Parameters
     ----------
     mesh
         The mesh.
     predicted
-        Betti numbers it must have.
+        Betti numbers that it must have.
     comparison
         Further checks, against the geometry, see `tusqh.pipeline.build.Built.comparison`.
     """

@@ -1,4 +1,4 @@
-"""The stages in one for several materials: from an image of labels to a measured mesh."""
+"""Run all stages for several materials, from an image of labels to a measured mesh."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tusqh.settings.model import Settings
 
 
 def mesh_label_file(path: str, settings: Settings) -> MaterialMesh:
-    """Return the mesh of all materials in a file of labels; label 0 is the void.
+    """Return the mesh of all materials in an image file of labels; label 0 is the void.
 
     Parameters
     ----------
@@ -26,14 +26,14 @@ def mesh_label_file(path: str, settings: Settings) -> MaterialMesh:
     Raises
     ------
     ConfigError
-        A setting is given that has no effect here.
+        A given setting has no effect here.
     GeometryError
-        The file is not an image of whole numbers.
+        The file is not an image of integers.
     SamplingError
         No voxel has a material.
     """
     _require_no_others(settings)
-    # Voxels between 0 and 1 are grey values; with these options, labels stay as they are.
+    # By default, voxels between 0 and 1 are grey values; these options keep labels unchanged.
     meaning = {**settings.image.to_dict(), "empty": 0.0, "full": 1.0}
     image = read_source(path, image=meaning).geometry
     labels = as_whole_numbers(image.voxels) if isinstance(image, Image) else None
@@ -56,7 +56,7 @@ def mesh_label_file(path: str, settings: Settings) -> MaterialMesh:
 
 
 def _require_no_others(settings: Settings) -> None:
-    """Raise a `ConfigError` where a setting is given that several materials do not have."""
+    """Raise a `ConfigError` if a given setting does not apply to several materials."""
     default = Settings()
     names = ("goal", "window", "sampling", "policy")
     given = [n for n in names if getattr(settings, n) != getattr(default, n)]

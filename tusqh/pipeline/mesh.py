@@ -1,4 +1,4 @@
-"""All stages in one call: from a geometry to a judged mesh."""
+"""Run all stages in one call, from a geometry to a judged mesh."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from tusqh.settings.sampling import Domain, Orientation, Rule, Sampler
 
 __all__ = ["mesh"]
 
-#: What `betti` may be: up to three numbers, lists of numbers, ranges, or None for any number.
+#: Type of `betti`: up to three numbers, lists of numbers, ranges, or None for any number.
 Betti = Sequence[int | Sequence[int] | Mapping[str, int] | None]
 
 
@@ -60,7 +60,7 @@ def mesh(
     name: str | None = None,
     progress: Progress = log_progress,
 ) -> Result:
-    """Return the quad or hex mesh of a dirty geometry, with the topology that was asked for.
+    """Return the quad or hex mesh of a dirty geometry, with the requested topology.
 
     Parameters
     ----------
@@ -72,55 +72,55 @@ def mesh(
     cell_size
         Edge length of a cell, in units of the geometry, instead of `cells`.
     placement
-        ``"auto"`` moves the grid by part of a cell where the volume is more than 1 % off;
+        ``"auto"`` moves the grid by a fraction of a cell if the volume is more than 1 % off;
         ``"corner"`` lays it on the box.
     betti
-        Wanted numbers of components, holes and voids: ``(1, 0, 0)``.  Each may be a number, a
-        list, ``{"min": 1, "max": 3}``, or None for any.
+        Requested numbers of components, holes and voids, such as ``(1, 0, 0)``.  Each may be a
+        number, a list, ``{"min": 1, "max": 3}``, or None for any number.
     threshold
-        Instead: keep cells with at least this volume fraction; 0.5 when nothing is asked for.
+        Alternatively, keep cells with at least this volume fraction; 0.5 if nothing is requested.
     persistence
-        Instead: keep only features that live over at least this range of thresholds.
+        Alternatively, keep only features with at least this persistence.
     volume
-        ``"match"`` takes the threshold whose mesh has the volume of the geometry; with `betti` or
-        `persistence`, among those that give it.
+        ``"match"`` chooses the threshold whose mesh best matches the volume of the geometry; with
+        `betti` or `persistence`, among the thresholds that meet that request.
     window
         Lowest and highest corner of the box to mesh in; the bounding box by default.
     domain
-        Mesh what the geometry encloses, or (``"outside"``) what it leaves out of the window.
+        ``"inside"`` meshes the interior of the geometry, ``"outside"`` the rest of the window.
     samples
-        Samples along each side of a cell, even.
+        Number of samples along each side of a cell, even.
     rule
-        ``"clamped"`` clips samples to [0, 1], right for parts that overlap.
+        ``"clamped"`` clips samples to [0, 1], which is right for overlapping parts.
     orientation
-        ``"auto"`` turns geometries that are inside out; ``"as-is"``, ``"flip"``.
+        ``"auto"`` turns geometries that are inside out, ``"as-is"`` none, ``"flip"`` all.
     sampler
-        ``"crossings"`` counts crossings on the lattice, ``"libigl"`` asks libigl at every sample.
+        ``"crossings"`` counts crossings on the lattice, ``"libigl"`` calls libigl at every sample.
     tolerance
-        Largest error of a fraction before it is rounded; of the sampler crossings.
+        Largest error of a fraction before it is rounded, for the sampler ``"crossings"``.
     mixed_pinches
-        What to do with adjacent pinches that disagree: ``"separate"``, ``"connect"`` or
+        How to resolve adjacent pinches that disagree: ``"separate"``, ``"connect"`` or
         ``"majority"``.
     bridges
-        2D: join components along interior edges, ``"forest"``, ``"all"`` or ``"none"``.
+        In 2D, which components to join along interior edges: ``"forest"``, ``"all"`` or ``"none"``.
     components, holes, voids
-        What these need to stay, as ``{"min_cells": 4}``, see
+        Criteria that these must meet to stay, such as ``{"min_cells": 4}``, see
         `tusqh.settings.policy.Criteria`.
     image
         For voxels: ``{"voxel_size": 0.1, "empty": 0, "full": 255}``, see
         `tusqh.settings.voxels.Voxels`.
     volume_tolerance
-        Largest relative difference between the volume of the mesh and that of the geometry
-        without a warning; with `volume`, without an error.
+        Largest relative difference between the volumes of the mesh and of the geometry that causes
+        no warning (with `volume`, no error).
     name
-        What files and messages call the model; the name of the file by default.
+        Name of the model in files and messages; by default the name of the file.
     progress
-        Shows how far long work is; lines in the log ``tusqh`` by default.
+        Shows the progress of long steps; by default as lines in the log ``tusqh``.
 
     Returns
     -------
     result
-        `mesh`, `diagram`, `curves`, `report` and all that led to them.
+        The result, with `mesh`, `diagram`, `curves`, `report` and all intermediate results.
 
     Raises
     ------
@@ -131,11 +131,11 @@ def mesh(
     SamplingError
         Grid and geometry do not fit each other, or there is nothing inside.
     TopologyError
-        No threshold gives what was asked for; the message lists what is reachable.
+        No threshold meets the request; the message lists the reachable Betti numbers.
 
     Examples
     --------
-    A square frame whose border is open in one place:
+    This square frame has a gap in its border:
 
     >>> import tusqh
     >>> points = [[0, 0], [3, 0], [3, 3], [0, 3], [1, 1], [1, 2], [2, 2], [2, 1]]
@@ -165,7 +165,7 @@ def run_stages(
     settings
         How it is meshed.
     name
-        What files and messages call the model; None: the name of the file.
+        Name of the model in files and messages; None: the name of the file.
     progress
         Shows the progress of long steps.
     """

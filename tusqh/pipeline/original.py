@@ -1,4 +1,4 @@
-"""What a mesh is compared with: its geometry, and the settings that say how."""
+"""The original of a mesh: its geometry, and the settings with which the two are compared."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from tusqh.settings.section import to_plain
 
 @dataclass(frozen=True)
 class Original:
-    """The geometry of a mesh, and the settings that it was sampled and is compared with.
+    """The geometry of a mesh, and the settings for its sampling and the comparison.
 
     Parameters
     ----------
     geometry
         The geometry.
     grid, sampling, window, threshold
-        As for `tusqh.pipeline.sample.sample`.
+        See `tusqh.pipeline.sample.sample`.
     quality
-        How far the mesh may be from the geometry.
+        How much the mesh may differ from the geometry.
     """
 
     geometry: Geometry = field(repr=False)
@@ -104,14 +104,14 @@ class Original:
     def compare(
         self, resolved: Resolved, fractions: VolumeFractions, reference: Reference
     ) -> list[Check]:
-        """Return how a mesh differs from the geometry.
+        """Return the differences between a mesh and the geometry.
 
         Parameters
         ----------
         resolved
             The mesh and its cells.
         fractions
-            The volume fractions that it was made from.
+            The volume fractions from which it was made.
         reference
             The volume that it should have.
         """
@@ -122,7 +122,7 @@ class Original:
 
 
 def to_warnings(comparison: Sequence[Check]) -> list[dict[str, str]]:
-    """Return the checks that do not hold as a certificate lists them.
+    """Return the checks that fail, in the form of a certificate.
 
     Parameters
     ----------

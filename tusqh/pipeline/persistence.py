@@ -1,4 +1,4 @@
-"""Stage 3: which topology every threshold gives, before any mesh is made."""
+"""Stage 3: find the topology at every threshold, before any mesh is made."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Persistence:
 
     @property
     def diagonal(self) -> pd.DataFrame:
-        """Number of pairs that live over no range of thresholds, by `dimension` and `birth`."""
+        """Number of pairs with persistence 0, by `dimension` and `birth`."""
         return self.topology.diagonal
 
 

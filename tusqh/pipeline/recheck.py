@@ -1,4 +1,4 @@
-"""What a certificate says about the geometry, recomputed from the files in its folder."""
+"""Recompute a certificate's statements about the geometry from the files in its folder."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ _RECORDED = "as recorded by the certificate: {} is missing from its folder"
 
 
 def recheck(path: Path, mesh: VolumeMesh) -> list[Check]:
-    """Return what a certificate says about the geometry, recomputed, and the warnings.
+    """Return checks of a certificate's statements about the geometry, and the warnings.
 
-    The geometry is sampled again, on the grid where `placement` puts it again, and the mesh is
-    compared with it again.  Where geometry, fractions or settings are missing, the warnings are
-    those that the certificate records, which is said.
+    The grid is placed again, the geometry is sampled again, and the mesh is compared with it again.
+    If geometry, fractions or settings are missing, the warnings are those that the certificate
+    records, and each of them says so.
 
     Parameters
     ----------
     path
         The certificate.
     mesh
-        The mesh that it belongs to.
+        The mesh to which it belongs.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def recheck(path: Path, mesh: VolumeMesh) -> list[Check]:
 
 
 def _recorded(stored: dict[str, Any], missing: str) -> list[Check]:
-    """Return the warnings that a certificate records."""
+    """Return the recorded warnings of a certificate."""
     return [
         Check(
             id=warning["id"],
@@ -89,7 +89,7 @@ def _placement(fractions: VolumeFractions) -> dict[str, Any] | None:
 
 
 def _fractions(stored: VolumeFractions, sampled: VolumeFractions, tolerance: float) -> Check:
-    """Return the check that fractions are those of the geometry, within the error of sampling."""
+    """Return the check that fractions match the geometry within the sampling error."""
     found = f"another grid, {sampled.grid.label}"
     if stored.grid == sampled.grid:
         allowed = 2 * max(tolerance, RESOLUTION) / RESOLUTION
@@ -106,7 +106,7 @@ def _fractions(stored: VolumeFractions, sampled: VolumeFractions, tolerance: flo
 
 
 def _equal(key: str, name: str, found: Any, claimed: Any) -> Check:
-    """Return the check that something recomputed is as the certificate records it."""
+    """Return the check that a recomputed value equals the value in the certificate."""
     is_same = found == claimed
     return Check(
         id=f"certificate_{key}",

@@ -1,4 +1,4 @@
-"""What a mesh comes with: prediction, choice, measurement, verdict, and every table."""
+"""The result of meshing: the mesh with prediction, choice, measurement, verdict and tables."""
 
 from __future__ import annotations
 
@@ -53,24 +53,24 @@ def count_pinches(n: int) -> str:
 
 @dataclass(frozen=True)
 class Report:
-    """What was asked for, predicted, chosen and measured, and the verdict.
+    """A report of the request, prediction, choice, measurement and verdict.
 
     Parameters
     ----------
     name
         The model.
     selection
-        The threshold, why it was chosen and how far it can move.
+        The threshold, the reason for its choice, and how far it can move.
     facts
-        Plain numbers about the mesh: cells, elements, pinches, volume and so on.
+        Numbers that describe the mesh, such as cells, elements, pinches and volume.
     elements
-        Element metrics, summarised.
+        Summary of the element metrics.
     verdict
         One row per check, see `tusqh.quality.verdict.to_table`.
     reading
-        What was read, see `tusqh.pipeline.describe_reading.describe_reading`.
+        Description of the reading, see `tusqh.pipeline.describe_reading.describe_reading`.
     remarks
-        What reading and orienting the geometry left out, changed or noted.
+        Remarks on what reading and orienting the geometry left out, changed or noted.
     """
 
     name: str
@@ -93,7 +93,7 @@ class Report:
 
     @property
     def is_met(self) -> bool:
-        """Whether the mesh measures what was predicted, which is what was asked for."""
+        """Whether the measured Betti numbers are as predicted and hence as requested."""
         return self.measured == self.predicted
 
     @property
@@ -124,7 +124,7 @@ class Report:
         return lines_of_reading(self.reading) | of_mesh | self._warnings() | self._remarks()
 
     def _placement(self) -> dict[str, str]:
-        """Return a line on where the grid was put, where the program chose it."""
+        """Return a line on the placement of the grid, if the program chose it."""
         placed = self.facts.get("placement")
         return {"grid": str(Placement.from_dict(placed))} if placed else {}
 
@@ -133,7 +133,7 @@ class Report:
         return {f"remark {k}": str(remark) for k, remark in enumerate(self.remarks, start=1)}
 
     def _warnings(self) -> dict[str, str]:
-        """Return a line for each warning: what was found, and the remedy."""
+        """Return a line for each warning, with the finding and the remedy."""
         rows = self.verdict[self.verdict["holds"] == "warning"]
         return {
             f"warning {k}": f"{row.name}: {row.found} (without a warning: {row.required}); "
@@ -148,7 +148,7 @@ class Report:
 
 @dataclass(frozen=True, repr=False)
 class Result:
-    """A mesh with everything that led to it.
+    """A mesh with all intermediate results.
 
     Parameters
     ----------
@@ -159,17 +159,17 @@ class Result:
     persistence
         Betti curves and persistence diagram of the fractions.
     choice
-        The threshold, the topology at every other one, and the candidates.
+        The chosen threshold, the topology at every threshold, and the candidates.
     built
-        The mesh, with cells, decisions, bridges, and the features removed and filled.
+        The mesh, with cells, decisions, bridges, and the removed and filled features.
     judgement
-        Every check of the mesh.
+        All checks of the mesh.
     settings
-        The settings, as in a model's block of the configuration without its `geometry`.
+        The settings, as in a model's block of the configuration but without its `geometry`.
     reading
-        What was read, see `tusqh.pipeline.describe_reading.describe_reading`.
+        Description of the reading, see `tusqh.pipeline.describe_reading.describe_reading`.
     remarks
-        What reading and orienting the geometry left out, changed or noted.
+        Remarks on what reading and orienting the geometry left out, changed or noted.
     """
 
     geometry: Geometry
@@ -212,17 +212,17 @@ class Result:
 
     @property
     def topologies(self) -> pd.DataFrame:
-        """Betti numbers that meshes have, by plateau of the threshold."""
+        """Betti numbers of the meshes, by plateau of the threshold."""
         return self.choice.topologies
 
     @property
     def selection(self) -> Selection:
-        """The threshold, why it was chosen and how robust the choice is."""
+        """The threshold, the reason for its choice, and the robustness of the choice."""
         return self.choice.selection
 
     @property
     def report(self) -> Report:
-        """What was asked for, predicted, chosen and measured, and the verdict."""
+        """The report of the request, prediction, choice, measurement and verdict."""
         judged = self.judgement
         return Report(
             self.name,
@@ -254,7 +254,7 @@ class Result:
             write_mesh(path, self.mesh)
 
     def save(self, folder: Path | str) -> None:
-        """Write every file that the workflow writes up to the verdict, under the same names.
+        """Write all files that the workflow writes up to the verdict, under the same names.
 
         `tusqh check FOLDER/mesh.vtu` then recomputes the certificate.
 

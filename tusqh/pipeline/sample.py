@@ -1,4 +1,4 @@
-"""Stage 2: the background grid over a geometry, and its volume fractions."""
+"""Stage 2: lay the background grid over a geometry, and sample its volume fractions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tusqh.sampling.voxels import lay_on_voxels, voxel_fractions
 from tusqh.settings.grid import Grid, Window
 from tusqh.settings.sampling import Sampling
 
-#: The threshold for which a grid is placed where the goal is another one than a threshold.
+#: The threshold for which a grid is placed if the goal does not give one.
 BASE_THRESHOLD = 0.5
 
 
@@ -30,18 +30,18 @@ def sample(
     threshold: float | None = None,
     progress: Progress = log_progress,
 ) -> VolumeFractions:
-    """Return the volume fractions of a geometry on the grid that its settings ask for.
+    """Return the volume fractions of a geometry on the grid that its settings specify.
 
     Parameters
     ----------
     geometry
         The geometry.
     grid
-        How fine the grid is.  Cells of images are whole voxels, see
+        The settings of the grid.  Cells of images are whole voxels, see
         `tusqh.sampling.voxels.lay_on_voxels`.
     sampling
-        How the fractions are sampled; None: the defaults.  Of images, whose fractions are exact,
-        only `domain` matters.
+        How the fractions are sampled; None: with the defaults.  For images, whose fractions are
+        exact, only `domain` matters.
     window
         Box to mesh in; None: the bounding box.
     threshold
@@ -52,7 +52,7 @@ def sample(
     Raises
     ------
     SamplingError
-        Grid, window and geometry do not fit each other, or there is nothing inside.
+        Grid, window and geometry do not match, or nothing is inside.
     """
     sampling = sampling or Sampling()
     box = None if window is None else window.box

@@ -1,4 +1,4 @@
-"""Stage 4: the threshold that gives what was asked for."""
+"""Stage 4: select the threshold that reaches the goal."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from tusqh.topology.topology import Topology
 
 @dataclass(frozen=True)
 class Choice:
-    """A threshold and everything it was chosen from.
+    """A threshold and everything from which it was chosen.
 
     Parameters
     ----------
     selection
-        The threshold, why, and how robust the choice is.
+        The threshold, the reason for its choice, and the robustness of the choice.
     plateaus
         The plateaus of the threshold.
     candidates
-        The intervals that give what was asked for, ranked.
+        The intervals that reach the goal, ranked.
     """
 
     selection: Selection
@@ -38,9 +38,9 @@ class Choice:
 
     @property
     def topologies(self) -> pd.DataFrame:
-        """The Betti numbers that meshes will have, by plateau of the threshold.
+        """The predicted Betti numbers of the meshes, by plateau of the threshold.
 
-        See `tusqh.threshold.plateaus.Plateaus.table`; all plateaus are examined for it.
+        See `tusqh.threshold.plateaus.Plateaus.table`, which examines all plateaus.
         """
         return self.plateaus.table
 
@@ -60,13 +60,13 @@ def find_plateaus(
     fractions
         Volume fractions.
     topology
-        Their topology, where it was made before.
+        Their topology, if it has already been computed.
     policy
-        What to do about pinches and small features; None: the defaults.
+        How to treat pinches and small features; None: with the defaults.
     reference
         The volume that a mesh should have; None: that of the fractions.
     progress
-        Shows how many plateaus were examined.
+        Shows how many plateaus have been examined.
     """
     cell_sets = CellSets(fractions, policy, topology=topology)
     return Plateaus(cell_sets, reference=reference, progress=progress)
@@ -82,16 +82,16 @@ def select(
     name: str = "model",
     progress: Progress = log_progress,
 ) -> Choice:
-    """Return the threshold that gives what was asked for, verified by meshing and measuring.
+    """Return the threshold that reaches the goal, verified by meshing and measuring.
 
     Parameters
     ----------
     fractions
         Volume fractions.
     topology
-        Their topology, where it was made before.
+        Their topology, if it has already been computed.
     policy
-        What to do about pinches and small features; None: the defaults.
+        How to treat pinches and small features; None: with the defaults.
     goal
         How the threshold is chosen; None: 1/2.
     reference
@@ -99,12 +99,12 @@ def select(
     name
         The model, for messages.
     progress
-        Shows how many plateaus were examined.
+        Shows how many plateaus have been examined.
 
     Raises
     ------
     TopologyError
-        Nothing gives what is wanted; the message lists what is reachable.
+        No threshold reaches the goal; the message lists the reachable Betti numbers.
     """
     plateaus = find_plateaus(
         fractions, topology, policy=policy, reference=reference, progress=progress

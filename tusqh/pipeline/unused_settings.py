@@ -1,4 +1,4 @@
-"""Remarks on settings that have no effect on a geometry."""
+"""Add remarks on settings that have no effect on a geometry."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def note_unused_settings(reading: Reading, settings: Settings) -> Reading:
     reading
         The geometry, and the remarks of the reader.
     settings
-        The settings that were given.
+        The given settings.
     """
     kinds = {Image: "image", Outline: "outline"}
     return with_unused(

@@ -1,4 +1,4 @@
-"""The mesh compared with its geometry: rows of the verdict that are warnings, with remedies."""
+"""Compare a mesh with its geometry; the differences are warnings in the verdict, with remedies."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.reference import Reference
 
-#: A mesh is not suitable when its volume differs from that of the geometry by more than this part.
+#: A mesh whose relative volume error exceeds this is not suitable.
 FAR_OFF = 0.5
 
-#: The part of the remedy for volumes that does not help where the volume was to be matched.
+#: The part of the remedy for volumes that does not apply if the volume was to be matched.
 OTHER_THRESHOLD = ", another threshold, or `--match-volume`"
 
 #: Components of at most this many cells along each axis are small.
 _SMALL = 2
 
-#: The least part of what is counted that is worth a warning.
+#: Smallest shares that cause a warning.
 _AMBIGUOUS, _INCONSISTENT, _TIED, _THIN = 0.1, 0.01, 0.05, 0.1
 
-#: The least part of the material that is in thin walls; coasts in the plane are rough at any scale.
+#: Smallest share of material in thin walls for a warning; in 2D, coasts are rough at any scale.
 _THIN_MATERIAL = {2: 0.1, 3: 0.01}
 
 
@@ -40,14 +40,14 @@ def compare_with_geometry(
     *,
     tolerance: float = 0.05,
 ) -> list[Check]:
-    """Return how a mesh differs from its geometry: the volume, and every warning.
+    """Return the differences between a mesh and its geometry: the volume check and all warnings.
 
     Parameters
     ----------
     resolved
         The mesh and its cells.
     fractions
-        The volume fractions that it was made from.
+        The volume fractions from which it was made.
     geometry
         The geometry.
     reference
@@ -58,7 +58,7 @@ def compare_with_geometry(
     Returns
     -------
     checks
-        The check of the volume, and those of the others that do not hold.
+        The check of the volume, and those other checks that fail.
     """
     geometry = reference.geometry or geometry
     size = fractions.grid.cell_size
@@ -117,7 +117,7 @@ def _volume(resolved: Resolved, reference: Reference, thin: list[Check], toleran
 
 
 def _thin_walls(reference: Reference, geometry: Geometry, size: float) -> list[Check]:
-    """Return a warning where much of the surface bounds walls thinner than a cell."""
+    """Return a warning if much of the surface bounds walls thinner than a cell."""
     if reference.volume <= 0 or reference.ambiguity > _AMBIGUOUS:
         return []
     thickness = measure_thickness(
@@ -141,9 +141,9 @@ def _thin_walls(reference: Reference, geometry: Geometry, size: float) -> list[C
 
 
 def _small_components(cells: CellSet, fractions: VolumeFractions) -> list[Check]:
-    """Return a warning where components of the kept cells are small."""
+    """Return a warning if components of the kept cells are small."""
     dim = fractions.grid.dim
-    # Cells that touch at a vertex count as joined, as where pinches connect them.
+    # Cells that touch at a vertex count as joined, as if a pinch connected them.
     labels, n = ndimage.label(cells.kept, np.ones((3,) * dim))
     n_cells = np.bincount(labels.ravel(), minlength=n + 1)[1:]
     few = _SMALL**dim
@@ -163,7 +163,7 @@ def _small_components(cells: CellSet, fractions: VolumeFractions) -> list[Check]
 
 
 def _ties(cells: CellSet, fractions: VolumeFractions) -> list[Check]:
-    """Return a warning where many cells have exactly the threshold as their fraction."""
+    """Return a warning if the fraction of many cells equals the threshold."""
     multiple = int(np.ceil(cells.threshold / RESOLUTION))
     n_tied = int((np.rint(fractions.cells / RESOLUTION) == multiple).sum())
     n_kept = int(cells.kept.sum())

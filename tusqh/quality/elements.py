@@ -1,4 +1,4 @@
-"""Element metrics by VTK: scaled Jacobian, aspect ratio, angles, area; in 3D shape and volume."""
+"""Compute element metrics with VTK, such as scaled Jacobian, aspect ratio, angles and area."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ _UNITS = {name: unit for of_dim in METRICS.values() for name, (_, unit) in of_di
 
 
 def element_metrics(mesh: VolumeMesh) -> pd.DataFrame:
-    """Return VTK's metrics of every element, one row each; NaN where VTK has no finite value.
+    """Return VTK's metrics of every element, one row each; NaN if VTK gives no finite value.
 
-    Columns in 2D: scaled_jacobian (1 for a square), aspect_ratio (1 for a square), min_angle and
-    max_angle in degrees, area in model units squared.  In 3D: scaled_jacobian, edge_ratio and
-    shape (1 for a cube), skew (0 for a cube), volume in model units cubed.
+    The columns in 2D are scaled_jacobian (1 for a square), aspect_ratio (1 for a square), min_angle
+    and max_angle in degrees, and area in model units squared.  In 3D they are scaled_jacobian,
+    edge_ratio and shape (1 for a cube), skew (0 for a cube), and volume in model units cubed.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def element_metrics(mesh: VolumeMesh) -> pd.DataFrame:
     """
     pyvista = require("pyvista", extra="verdict")
     points = np.zeros((len(mesh.points), 3))
-    # Map coordinates are millions of metres; metrics do not change when the mesh is moved.
+    # Map coordinates are millions of metres, so move the mesh; this does not change the metrics.
     points[:, : mesh.dim] = mesh.points - mesh.points[0]
     grid = pyvista.UnstructuredGrid({9 if mesh.dim == 2 else 12: mesh.cells}, points)
     metrics = METRICS[mesh.dim]
@@ -67,7 +67,7 @@ def element_metrics(mesh: VolumeMesh) -> pd.DataFrame:
 
 
 def summarise_metrics(metrics: pd.DataFrame) -> pd.DataFrame:
-    """Return one row per metric: smallest, 1 % quantile, median, mean, largest value, unit.
+    """Return one row per metric: minimum, 1 % quantile, median, mean, maximum and unit.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The overlap of the elements of a 2D mesh."""
+"""Measure the overlap of the elements of a 2D mesh."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from tusqh.meshes.volume_mesh import VolumeMesh
 
 
 def measure_overlap(mesh: VolumeMesh) -> float:
-    """Return the area that elements of a 2D mesh cover more than once, over their total area.
+    """Return the share of the total element area that is covered more than once in a 2D mesh.
 
     Parameters
     ----------

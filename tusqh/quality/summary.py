@@ -1,4 +1,4 @@
-"""Tables over all models: the summary and the verdicts, one row per model each."""
+"""Make the rows of the summary and of the table of verdicts, which have one row per model."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def summarise_model(
     amount
         The table of the simulation's snapshots.
     defects
-        The defects of the geometry; where a surface is balanced its signed volume is exact.
+        The defects of the geometry; if a surface is balanced, its signed volume is exact.
     """
     count = dict(zip(defects["defect"], defects["count"], strict=True))
     winding_over_exact = float("nan")
@@ -69,8 +69,8 @@ def summarise_verdict(facts: dict[str, Any], verdict: pd.DataFrame, *, file: str
     Returns
     -------
     row
-        One value for each column of ``verdicts.csv``; the ratio is NaN where the reference is not
-        known.
+        One value for each column of ``verdicts.csv``; the ratio is NaN if the reference volume is
+        unknown.
     """
     reference = facts.get("reference_volume") or float("nan")
     warned = verdict.loc[verdict["holds"] == "warning", "name"]

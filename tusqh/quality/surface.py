@@ -1,4 +1,4 @@
-"""The surface of a mesh, measured by pymeshlab: a second opinion on its topology."""
+"""Measure the surface of a mesh with pymeshlab, as a second opinion on its topology."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from tusqh.topology.betti_numbers import BettiNumbers
 class SurfaceMeasures:
     """Measures by pymeshlab of the quads of a 2D mesh or of the boundary of a 3D mesh.
 
-    Quads are split into triangles.  Two flat elements that overlap are not a self-intersection
-    to pymeshlab, which looks for crossing triangles; `tusqh.quality.overlap` finds those.
+    Quads are split into triangles.  pymeshlab looks for crossing triangles and does not report flat
+    elements that overlap; `tusqh.quality.overlap` finds these.
     """
 
     non_manifold_edges: int
@@ -49,7 +49,7 @@ def surface_measures(mesh: VolumeMesh) -> SurfaceMeasures:
 
     Notes
     -----
-    With a non-manifold vertex pymeshlab gives -1 boundary loops.
+    pymeshlab reports -1 boundary loops for a mesh with a non-manifold vertex.
     """
     try:
         pymeshlab = require("pymeshlab", extra="verdict")
@@ -64,7 +64,7 @@ def surface_measures(mesh: VolumeMesh) -> SurfaceMeasures:
         measures = meshes.get_topological_measures()
         meshes.compute_selection_by_self_intersections_per_face()
     except (ImportError, AttributeError) as reason:
-        # Without libGL the filters are missing: attributes of MeshSet that do not exist.
+        # Without libGL the filters, which are attributes of MeshSet, do not exist.
         raise SystemLibraryError(
             f"pymeshlab cannot run: {reason}",
             where="quality",
@@ -94,14 +94,14 @@ def judge_surface(
     mesh
         The mesh.
     predicted
-        Betti numbers it must have.
+        Betti numbers that it must have.
     measure
         Function that measures the surface.
 
     Returns
     -------
     checks
-        One per measure; "not run" where pymeshlab or a system library is missing.
+        One check per measure; "not run" if pymeshlab or a system library is missing.
     """
     required = {
         "non_manifold_edges": 0,

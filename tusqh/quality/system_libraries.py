@@ -1,4 +1,4 @@
-"""System libraries that Python wheels expect to find and cannot bring."""
+"""Find missing system libraries that Python wheels need but cannot contain."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tusqh.errors import TusqhError
 #: The purposes that libraries serve.
 SURFACE_CHECKS, RENDERING = "pymeshlab's checks of the mesh surface", "pictures of solids"
 
-#: Libraries of which one is enough, the Debian package of the first, and what needs it.
+#: Alternative libraries, the Debian package of the first one, and the purpose.
 REQUIRED = (
     (("libGL.so.1",), "libgl1", SURFACE_CHECKS),
     (("libX11.so.6",), "libx11-6", SURFACE_CHECKS),
@@ -20,16 +20,16 @@ REQUIRED = (
 
 
 class SystemLibraryError(TusqhError):
-    """A system library is missing that a Python package needs."""
+    """A system library that a Python package needs is missing."""
 
 
 def find_missing_libraries() -> list[tuple[str, str, str]]:
-    """Return library, Debian package and purpose of what cannot be loaded; nothing off Linux.
+    """Return library, Debian package and purpose of missing libraries; always empty off Linux.
 
     Returns
     -------
     list of tuple
-        One row for each row of `REQUIRED` none of whose libraries can be loaded.
+        One row for each row of `REQUIRED` without a library that can be loaded.
     """
     return [
         (names[0], package, purpose)
@@ -44,7 +44,7 @@ def describe_missing() -> str:
     Returns
     -------
     str
-        Names, Debian packages and what cannot be done; empty when nothing is missing.
+        Names, Debian packages and the affected purposes; empty if nothing is missing.
     """
     missing = find_missing_libraries()
     if not missing:
@@ -59,7 +59,7 @@ def describe_missing() -> str:
 
 
 def check_rendering() -> None:
-    """Check that pictures of solids can be rendered; VTK would end the process without a message.
+    """Check that pictures of solids can be rendered, because VTK would exit without a message.
 
     Raises
     ------

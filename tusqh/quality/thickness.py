@@ -1,7 +1,7 @@
-"""The local thickness of the material, by rays from a sample of its surface.
+"""Measure the local thickness of the material by rays from a sample of its surface.
 
-A ray follows the winding number, which changes by one at every facet, so that parts that overlap
-are one wall and facets inside the material do not count as surface.
+A ray tracks the winding number, which changes by one at every facet, so overlapping parts count as
+one wall and facets inside the material do not count as surface.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from tusqh.geometry.soup import Soup
 from tusqh.grid import FloatArray, IntArray
 from tusqh.sampling.lattice import Box
 
-#: Rays, and the most pairs of a ray and a facet that are tried; fewer rays say too little.
+#: Number of rays, largest number of pairs of a ray and a facet, and smallest useful number of rays.
 _RAYS, _PAIRS, _FEWEST = 256, 100_000_000, 32
 
-#: A hit nearer than this part of the extent is at the place that the ray starts from.
+#: A hit nearer than this fraction of the extent is at the start of the ray.
 _NEAR = 1e-9
 
 
@@ -31,8 +31,8 @@ class Thickness:
     Parameters
     ----------
     lengths
-        Distance along the normal to the other side, in model units, shape (n,); infinite where
-        there is none.
+        Distance along the normal to the other side, in model units, shape (n,); infinite if there
+        is no other side.
     surface
         Area (2D: length) of that surface, in model units.
     """
@@ -41,7 +41,7 @@ class Thickness:
     surface: float
 
     def share_below(self, size: float) -> float:
-        """Return the share of the surface that is nearer to its other side than a length.
+        """Return the share of the surface whose thickness is below a length.
 
         Parameters
         ----------
@@ -51,7 +51,7 @@ class Thickness:
         return float((self.lengths < size).mean())
 
     def material_below(self, size: float) -> float:
-        """Return the volume (2D: area) of the walls that are thinner than a length.
+        """Return the volume (2D: area) of the walls thinner than a length.
 
         Each of the two sides of a wall bounds half of it.
 
@@ -65,7 +65,7 @@ class Thickness:
 
     @property
     def resolving(self) -> float:
-        """The cell size with at least two cells across all but the thinnest 5 % of the surface."""
+        """The cell size that puts two cells across all but the thinnest 5 % of the surface."""
         return float(np.quantile(self.lengths, 0.05)) / 2
 
 
@@ -77,19 +77,19 @@ def measure_thickness(
     Parameters
     ----------
     geometry
-        The geometry, its facets turned outwards.
+        The geometry, whose facets point outwards.
     is_outside
-        Whether the material is what the geometry leaves out.
+        Whether the material lies outside the geometry.
     window
         Box beyond which the surface does not count, in model units.
     seed
-        Of the random points.
+        Seed of the random points.
 
     Returns
     -------
     thickness
-        None for images, where too few points are on the surface of the material, and where there
-        are more facets than can be tried.
+        None for images, if too few points are on the surface of the material, or if there are too
+        many facets to try.
 
     Examples
     --------
@@ -133,9 +133,9 @@ def measure_thickness(
 def _follow(
     distances: FloatArray, signs: IntArray, near: float, *, is_outside: bool
 ) -> float | None:
-    """Return the length of the material from a facet on, None where the facet is not its surface.
+    """Return the length of the material from a facet on, None if the facet is not its surface.
 
-    The ray enters the geometry at its own facet; it leaves it at other facets where the sign is 1.
+    The ray enters the geometry at its own facet and leaves it at other facets with the sign 1.
     """
     before = -int(signs[distances < -near].sum())
     after = before + 1 - int(signs[np.abs(distances) <= near].sum())
@@ -155,7 +155,7 @@ def _follow(
 def _hit_segments(
     start: FloatArray, direction: FloatArray, corners: FloatArray, own: int
 ) -> tuple[FloatArray, IntArray]:
-    """Return where the line of a ray meets segments, and whether it leaves (1) or enters (-1)."""
+    """Return the distances at which a ray's line meets segments; it leaves (1) or enters (-1)."""
     along = corners[:, 1] - corners[:, 0]
     away = corners[:, 0] - start
     across = direction[0] * along[:, 1] - direction[1] * along[:, 0]
@@ -171,7 +171,7 @@ def _hit_segments(
 def _hit_triangles(
     start: FloatArray, direction: FloatArray, corners: FloatArray, own: int
 ) -> tuple[FloatArray, IntArray]:
-    """Return where the line of a ray meets triangles (Moeller and Trumbore, 1997), and how."""
+    """Return distances and signs of a ray's hits with triangles (Moeller and Trumbore, 1997)."""
     distances, signs = [0.0 for _ in range(0)], [0 for _ in range(0)]
     for m in range(len(corners)):
         a, b, c = corners[m]

@@ -1,4 +1,4 @@
-"""The verdict of analysis suitability: one row per check, with what was found and required."""
+"""Judge the analysis suitability of a mesh, with one row for each check."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def judge_mesh(
     *,
     scheme: Scheme = PINCH_TEMPLATES,
 ) -> list[Check]:
-    """Return every check of a mesh, by our own count, VTK, pymeshlab and MFEM.
+    """Return all checks of a mesh, by our own counts, VTK, pymeshlab and MFEM.
 
     Parameters
     ----------
@@ -39,14 +39,15 @@ def judge_mesh(
         Betti numbers it must have.
     element_metrics
         VTK's metrics, see `tusqh.quality.elements.element_metrics`;
-        None where VTK is not installed.
+        None if VTK is not installed.
     scheme
-        How the elements were made, which bounds their scaled Jacobians.
+        The meshing scheme, which bounds the scaled Jacobians of the elements.
 
     Returns
     -------
     checks
-        The checks of `tusqh.meshes.measure.Measurement`; the others only where all of these hold.
+        The checks of `tusqh.meshes.measure.Measurement`, followed by the others if all of these
+        hold.
     """
     measured = mesh.measurement
     if not measured.is_sound:
@@ -74,7 +75,7 @@ def judge_mesh(
 def to_table(checks: Sequence[Check]) -> pd.DataFrame:
     """Return checks as a table: id, name, found, required, holds, remedy.
 
-    `holds` is "yes", "no", "not run", or "warning" where a check that is one does not hold.
+    `holds` is "yes", "no", "not run", or "warning" for a warning that does not hold.
 
     Parameters
     ----------
@@ -94,9 +95,9 @@ def _in_words(check: Check) -> str:
 
 
 def overall(checks: pd.DataFrame) -> str:
-    """Return the verdict over a table of checks.
+    """Return the overall verdict of a table of checks.
 
-    It is "suitable", "suitable with warnings", each of which is named, or "not suitable".
+    It is "suitable", "suitable with warnings" followed by their names, or "not suitable".
 
     Parameters
     ----------
@@ -124,7 +125,7 @@ def overall(checks: pd.DataFrame) -> str:
 
 
 def compare_volumes(facts: Mapping[str, Any]) -> str:
-    """Return the volume of a mesh in words, as a part of that of the geometry where it is known.
+    """Return the volume of a mesh in words, relative to that of the geometry if it is known.
 
     Parameters
     ----------
@@ -175,7 +176,7 @@ def _matrix_components(mesh: VolumeMesh, predicted: BettiNumbers) -> Check:
 
 
 def _overlap(mesh: VolumeMesh) -> Check:
-    """Check that elements do not overlap; in 3D the boundary must enclose as much as they fill."""
+    """Check that elements do not overlap; in 3D compare their volume with the enclosed volume."""
     if mesh.dim == 2:
         name, share = "share of the area covered twice", measure_overlap(mesh)
     else:

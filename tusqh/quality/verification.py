@@ -1,4 +1,4 @@
-"""Verification: what was predicted for a mesh at a threshold, and what it measures."""
+"""Verify a mesh: compare the prediction at a threshold with the measurement."""
 
 from __future__ import annotations
 
@@ -20,25 +20,25 @@ VERIFICATION_COLUMNS = (
 def verify_mesh(
     mesh: VolumeMesh, cells: CellSet, *, grid: str, scheme: Scheme = PINCH_TEMPLATES
 ) -> dict[str, Any]:
-    """Return a row of the verification table: what was predicted and what the mesh has.
+    """Return a row of the verification table, with the prediction and the measurement of a mesh.
 
     Parameters
     ----------
     mesh
         The finished mesh.
     cells
-        The cells it was made of, with the prediction.
+        The cells of which it was made, with the prediction.
     grid
         The grid's shape, such as 60x79.
     scheme
-        How the elements were made, which bounds their scaled Jacobians.
+        The meshing scheme, which bounds the scaled Jacobians of the elements.
 
     Returns
     -------
     verification
-        One value for each of `VERIFICATION_COLUMNS`.  `holds` means: sound by every check,
-        scaled Jacobians within the bound, and the predicted Betti numbers measured by both
-        methods.  A threshold that keeps no cell holds trivially.
+        One value for each of `VERIFICATION_COLUMNS`.  `holds` means that the mesh passes every
+        check, that its scaled Jacobians are within the bound, and that both methods measure the
+        predicted Betti numbers.  This holds trivially for a threshold that keeps no cell.
     """
     measured = mesh.measurement
     smallest = measured.smallest_scaled_jacobian

@@ -1,4 +1,4 @@
-"""Axes of an image that are not directions of space: channels, colours, times."""
+"""Select the spatial part of an image with channels, colours or times."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ def take_space(
     others
         For each axis a plural noun, such as "channels", or "" for a direction of space.
     channel
-        Which entry to take along the axis that is not a direction of space.
+        The entry to take along the axis that is not a direction of space.
 
     Raises
     ------
     GeometryError
-        There are several channels and none is chosen, or the chosen one does not exist.
+        There are several channels but none is chosen, or the chosen one does not exist.
     """
     single = tuple(i for i, name in enumerate(others) if name and voxels.shape[i] == 1)
     voxels = voxels.squeeze(single) if single else voxels

@@ -1,4 +1,4 @@
-"""Identifies the format of a file by its first bytes, independent of its name."""
+"""Identify the format of a file by its first bytes, independently of its name."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ _HEAD = 4096
 
 
 class Content(NamedTuple):
-    """What a file is.
+    """The content of a file.
 
     Parameters
     ----------
     name
-        Its format, with an article: "a PLY file".
+        Name of the format, with an article, such as "a PLY file".
     suffixes
-        Suffixes by which this format is read; none for formats that are not read.
+        Suffixes with which this format is read; empty for formats that are not read.
     """
 
     name: str
@@ -27,7 +27,7 @@ class Content(NamedTuple):
 
 
 # fmt: off
-#: First bytes, at a fixed place.
+#: Identifying bytes at a fixed offset.
 _MAGIC = (
     (0, b"ply\n", Content("a PLY file", (".ply",))),
     (0, b"ply\r", Content("a PLY file", (".ply",))),
@@ -84,7 +84,7 @@ _TEXTS = (
 
 
 def recognise(path: Path) -> Content | None:
-    """Return what a file is by its first bytes, None where they do not say it.
+    """Return the content of a file according to its first bytes, None if they are ambiguous.
 
     Parameters
     ----------
@@ -104,19 +104,19 @@ def recognise(path: Path) -> Content | None:
         head = file.read(_HEAD)
     suffix = path.suffix.lower()
     if suffix == ".stl" and _is_binary_stl(head, path.stat().st_size):
-        return None  # Any 80 bytes may begin it.
+        return None  # Such a file may begin with any 80 bytes.
     found = [content for place, mark, content in _MAGIC if head[place:].startswith(mark)]
     text = head.removeprefix(b"\xef\xbb\xbf").lstrip()
     found += [content for pattern, content in _TEXTS if re.match(pattern, text)]
     if not found and _is_binary_stl(head, path.stat().st_size):
         return Content("a binary STL file", (".stl",))
-    # A file that may be of several formats is of the one that its name says.
+    # If several formats are possible, the file's suffix decides.
     return next(
         (content for content in found if suffix in content.suffixes), next(iter(found), None)
     )
 
 
 def _is_binary_stl(head: bytes, size: int) -> bool:
-    """Return whether the size of a file is that of the triangles that its header counts."""
+    """Return whether the size of a file matches the number of triangles in its header."""
     n = struct.unpack("<I", head[80:84])[0] if len(head) >= 84 else 0
     return n > 0 and size == 84 + 50 * n

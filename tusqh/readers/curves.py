@@ -8,27 +8,27 @@ import numpy as np
 
 from tusqh.grid import FloatArray
 
-#: Largest distance of a curve from its polyline, relative to the larger side of the drawing:
-#: a hundredth of a cell in a grid of a hundred cells, so no volume fraction notices.
+#: Largest distance of a curve from its polyline, relative to the larger side of the drawing.  In a
+#: grid of a hundred cells this is a hundredth of a cell, too little to affect a volume fraction.
 CHORD_TOLERANCE = 1e-4
 
-#: No curve is cut finer than this, whatever the tolerance.
+#: Largest number of chords for one curve, regardless of the tolerance.
 MOST_CHORDS = 4096
 
 
 def flatten_curve(
     points_at: Callable[[FloatArray], FloatArray], tolerance: float, *, fewest: int = 4
 ) -> FloatArray:
-    """Return points on a curve, both ends included, whose chords stay within a tolerance of it.
+    """Return points on a curve, including both ends, whose chords stay within a tolerance of it.
 
     Parameters
     ----------
     points_at
-        Gives the points, shape (n, 2), at parameters from 0 to 1, shape (n,).
+        Function that returns the points, shape (n, 2), at parameters from 0 to 1, shape (n,).
     tolerance
         Largest distance of the curve from its chords, in the units of the model.
     fewest
-        Number of chords to begin with; it is doubled until they fit.
+        Initial number of chords, which is doubled until the chords fit.
 
     Examples
     --------
@@ -36,7 +36,7 @@ def flatten_curve(
     >>> len(flatten_curve(parabola, 0.02)), len(flatten_curve(parabola, 0.001))
     (5, 17)
     """
-    # Three points inside every chord are compared: one alone can sit on an inflection.
+    # Compare three points inside every chord, because a single one could be an inflection.
     weight = np.array([0.25, 0.5, 0.75])[:, None]
     n_chords = fewest
     while True:
@@ -44,7 +44,7 @@ def flatten_curve(
         start, end = fine[:-1:4, None], fine[4::4, None]
         inside = fine[:-1].reshape(n_chords, 4, 2)[:, 1:]
         off = np.linalg.norm(inside - (start + weight * (end - start)), axis=2)
-        # Written so that coordinates that are not finite end the search; they are rejected later.
+        # This form ends the search for non-finite coordinates, which are rejected later.
         if not off.max() > tolerance or 2 * n_chords > MOST_CHORDS:
             return fine[::4]
         n_chords *= 2

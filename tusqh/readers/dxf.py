@@ -1,7 +1,7 @@
 """Read a DXF drawing: lines, polylines and curves of its model space.
 
-DXF does not say what is inside, so loose lines are chained by their end points and the areas are
-those of the even-odd rule, see `tusqh.readers.loose`.
+DXF does not state what is inside, so loose lines are chained by their end points and the even-odd
+rule defines the areas, see `tusqh.readers.loose`.
 """
 
 from __future__ import annotations
@@ -27,10 +27,11 @@ from tusqh.readers.logs import collect_logs, remarks_on_logs
 from tusqh.readers.loose import join_loose
 from tusqh.readers.reading import Reading
 
-#: A polyline's arc becomes a third as many Bezier curves: a millionth of its radius off at most.
+#: An arc of a polyline becomes a third as many Bezier curves, with an error of at most a millionth
+#: of its radius.
 _ARC_SEGMENTS = 24
 
-#: The unit of the drawing, in the header among the first bytes of the file.
+#: Pattern for the unit of the drawing, which is in the header among the first bytes of the file.
 _UNITS = re.compile(rb"\$INSUNITS\s+70\s+(\d{1,2})\b")
 _HEADER = 1 << 18
 
@@ -39,13 +40,13 @@ _CURVES = ("ARC", "CIRCLE", "ELLIPSE", "SPLINE")
 
 
 def read(path: Path) -> Reading:
-    """Read the entities as polylines, chained to outlines where their ends meet.
+    """Read the entities as polylines, which are chained to outlines if their ends meet.
 
-    Read are LINE, LWPOLYLINE, POLYLINE, ARC, CIRCLE, ELLIPSE and SPLINE in model space, also
-    inside blocks (INSERT); everything else, and what is on layers that are off or frozen, is
-    counted in the remarks.  Straight lines are kept exactly, curves become chords within
-    `CHORD_TOLERANCE` of them, relative to the drawing.  A polyline closes only if its closed
-    flag says so, or where its ends meet.  The third coordinate is dropped.
+    The entities are LINE, LWPOLYLINE, POLYLINE, ARC, CIRCLE, ELLIPSE and SPLINE in model space,
+    also inside blocks (INSERT).  The remarks count all other entities and those on layers that are
+    off or frozen.  Straight lines are kept exactly; curves become chords within `CHORD_TOLERANCE`
+    of them, relative to the drawing.  A polyline is closed only if its closed flag is set or its
+    ends meet.  The third coordinate is dropped.
 
     Parameters
     ----------
@@ -93,14 +94,14 @@ def read(path: Path) -> Reading:
 
 
 def _unit_in(path: Path) -> str:
-    """Return the unit of length in the header; ezdxf takes metres where there is none."""
+    """Return the unit of length in the header, because ezdxf assumes metres if there is none."""
     with path.open("rb") as file:
         stated = _UNITS.search(file.read(_HEADER))
     return (ezdxf.units.decode(int(stated[1])) or "") if stated else ""
 
 
 def _tolerance_of(entities: list[Any]) -> float:
-    """Return how far chords may be off, from the control points: never too small by much."""
+    """Return the tolerance of chords, estimated from the extent of the control points."""
     if not entities:
         return 0.0
     extent = ezdxf.path.bbox((ezdxf.path.make_path(e) for e in entities), fast=True).size
@@ -117,7 +118,7 @@ def _on_heights(entities: list[Any]) -> list[Remark]:
 
 
 def _exploded(entities: Iterable[Any]) -> Iterator[Any]:
-    """Yield the entities with block references replaced by what they show."""
+    """Yield the entities after replacing block references by the entities that they show."""
     for entity in entities:
         if entity.dxftype() == "INSERT" and entity.block() is not None:
             copies = entity.multi_insert() if entity.mcount > 1 else [entity]
@@ -128,7 +129,7 @@ def _exploded(entities: Iterable[Any]) -> Iterator[Any]:
 
 
 def _reason_to_skip(entity: Any, hidden: set[str]) -> str:
-    """Return what an entity that is left out is called, empty for lines and curves."""
+    """Return a description of an entity that is left out; empty for lines and curves."""
     kind = entity.dxftype()
     if kind == "INSERT":
         return "references to blocks that the file does not have"
@@ -166,7 +167,7 @@ def _flatten_spline(entity: Any, tolerance: float) -> FloatArray:
     """Return the polyline of a spline."""
     spline = entity.construction_tool()
     knots, degree = spline.knots(), spline.degree
-    # A periodic spline is defined only between these two of its knots; ezdxf walks them all.
+    # A periodic spline is defined only between these two knots, but ezdxf traverses all of them.
     first, last = knots[degree], knots[len(knots) - 1 - degree]
     return flatten_curve(
         lambda t: _as_points(spline.points(first + t * (last - first))),
@@ -181,9 +182,9 @@ def _as_points(vertices: Iterable[Any]) -> FloatArray:
 
 
 def _closed(points: FloatArray, is_closed: bool) -> FloatArray:
-    """Return the polyline of a closed entity with its first point, exactly, at the end."""
+    """Return the polyline of a closed entity with its exact first point at the end."""
     if not is_closed or len(points) < 2:
         return points
-    # A full circle comes back to its start only up to rounding: that is its last point already.
+    # The last point of a full circle equals its start up to rounding, so replace it.
     comes_back = np.abs(points[-1] - points[0]).max() <= 1e-12 * np.abs(points).max()
     return np.concatenate([points[:-1] if comes_back else points, points[:1]])

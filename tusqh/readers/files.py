@@ -30,7 +30,7 @@ def read_file(path: Path, *, image: Mapping[str, Any] | None = None) -> Reading:
     path
         The file; its suffix names the format, see `tusqh.readers.formats.FORMATS`.
     image
-        What the voxels of an image mean, see `tusqh.settings.voxels.Voxels`.
+        The meaning of an image's voxels, see `tusqh.settings.voxels.Voxels`.
 
     Returns
     -------
@@ -40,9 +40,9 @@ def read_file(path: Path, *, image: Mapping[str, Any] | None = None) -> Reading:
     Raises
     ------
     GeometryError
-        The file is missing, not a regular file, of another format than its suffix says, larger
-        than the memory, damaged, empty, without extent or not finite, or `image` is given for a
-        file that is not an image.
+        The file is missing, is not a regular file, has a format that contradicts its suffix, does
+        not fit in memory, or is damaged; the geometry is empty, without extent or not finite; or
+        `image` is given for a file that is not an image.
     MissingExtraError
         The library that reads the format is not installed.
     """
@@ -56,11 +56,11 @@ def read_file(path: Path, *, image: Mapping[str, Any] | None = None) -> Reading:
         is_image = found.kind == "image"
         options = {"meaning": Voxels(**(image or {}))} if is_image else {}
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # Of libraries; remarks say what a user must know.
+            warnings.simplefilter("ignore")  # Remarks, not warnings of libraries, inform the user.
             reading: Reading = reader.read(path, **options)
     except TusqhError:
         raise
-    except Exception as error:  # Parsers raise many types over a damaged file.
+    except Exception as error:  # Parsers raise many types of error for a damaged file.
         raise GeometryError(
             f"the file cannot be read: {one_line(str(error)) or type(error).__name__}",
             where=str(path),
@@ -73,7 +73,7 @@ def read_file(path: Path, *, image: Mapping[str, Any] | None = None) -> Reading:
 
 
 def _check_options(path: Path, image: Mapping[str, Any], *, is_image: bool) -> None:
-    """Raise for options that the format of a file does not have."""
+    """Raise an error for options that the format of a file does not have."""
     if image and not is_image:
         raise GeometryError(
             f"`image` is given for a file of type {path.suffix.lower()!r}",

@@ -1,4 +1,4 @@
-"""The table of file formats: which module reads a suffix, and which library it needs."""
+"""The table of file formats: the module that reads each suffix, and the library it needs."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ class Format:
     suffixes
         Suffixes of its files, in lower case.
     kind
-        What its files hold: an outline in 2D, a surface or an image in 3D.
+        Content of its files: an outline in 2D, a surface or an image in 3D.
     module
         The module in `tusqh.readers` that reads it.
     library
-        The optional library that the module imports, None where the core suffices.
+        The optional library that the module imports; None if the core suffices.
     extra
         The extra of tusqh that installs this library.
     unit
-        The unit of length that the format fixes, empty where files may state one or none.
+        The unit of length that the format fixes; empty if files may state one or none.
     growth
-        Bytes of memory that reading takes for each byte of a file, measured; of compressed images
-        the readers know more.
+        Measured number of bytes of memory that reading needs for each byte of a file; the readers
+        of compressed images make better estimates.
     """
 
     name: str
@@ -67,7 +67,7 @@ FORMATS = (
 
 
 def find_format(geometry: str) -> Format:
-    """Return the format of a file by its suffix, in upper or lower case.
+    """Return the format of a file by its suffix, regardless of case.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def find_format(geometry: str) -> Format:
 
 
 def suffixes_of(*kinds: str) -> list[str]:
-    """Return the suffixes of the given kinds of format, of all kinds if none is given.
+    """Return the suffixes of the given kinds of format, or of all kinds if none is given.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Checks before a file is read: that it is a file, of its format, and fits in memory."""
+"""Check, before reading, that a file is regular, has its stated format, and fits in memory."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ _KINDS: tuple[tuple[Callable[[int], bool], str], ...] = (
 
 
 def check_file(path: Path, found: Format) -> None:
-    """Raise where a file cannot be read as its format, before any of it is read.
+    """Raise an error if a file cannot be read in its format, before reading the whole file.
 
-    Only a few kilobytes are read, and pipes and devices are never opened.
+    Only a few kilobytes are read; pipes and devices are never opened.
 
     Parameters
     ----------
@@ -36,8 +36,8 @@ def check_file(path: Path, found: Format) -> None:
     Raises
     ------
     GeometryError
-        There is no such file; it is a folder, pipe, socket or device; it may not be read; it is
-        empty, needs more memory than there is, or is of another format.
+        There is no such file; it is a folder, pipe, socket or device; reading is not permitted; it
+        is empty, needs more memory than is available, or has another format.
     """
     size = _size_of_regular(path)
     require_memory(path, int(size * found.growth), what=f"reading its {_in_gb(size)}")
@@ -60,19 +60,19 @@ def check_file(path: Path, found: Format) -> None:
 
 
 def check_part(path: Path, name: str) -> Path:
-    """Return the path of a file that belongs to another one, after checking where it is.
+    """Return the path of a file that belongs to another file, after checking its location.
 
     Parameters
     ----------
     path
-        The file that names it.
+        The file that refers to it.
     name
         The name, relative to the folder of the file.
 
     Raises
     ------
     GeometryError
-        The name leads out of that folder, or to something that is not a regular file.
+        The name leads out of that folder, or the target is not a regular file.
     """
     folder = path.parent.resolve()
     part = folder / name
@@ -94,7 +94,7 @@ def check_part(path: Path, name: str) -> Path:
 
 
 def require_memory(path: Path, needed: int, *, what: str) -> None:
-    """Raise where something needs more memory than there is.
+    """Raise an error if an operation needs more memory than is available.
 
     Parameters
     ----------
@@ -103,12 +103,12 @@ def require_memory(path: Path, needed: int, *, what: str) -> None:
     needed
         The estimate, in bytes.
     what
-        What needs it: "reading its 10.0 GB".
+        The operation, such as "reading its 10.0 GB".
 
     Raises
     ------
     GeometryError
-        The estimate is larger than the memory that is available.
+        The estimate exceeds the available memory.
     """
     available = available_memory()
     if needed > available:

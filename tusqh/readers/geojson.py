@@ -1,8 +1,8 @@
 """Read the rings and lines of a GeoJSON file.
 
-Every ring or line is one chain.  What a ring bounds follows from its place in the polygon,
-whatever its direction (RFC 7946, 3.1.6): the first one is the outer ring, the others are holes.
-Points and missing geometries have no lines; a third coordinate is dropped.
+Every ring or line is one chain.  The role of a ring follows from its place in the polygon,
+regardless of its direction (RFC 7946, 3.1.6): the first ring is the outer ring, the others are
+holes.  Points and missing geometries have no lines; a third coordinate is dropped.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from tusqh.grid import FloatArray
 from tusqh.readers.polygons_of_maps import Map, reading_of_map
 from tusqh.readers.reading import Reading
 
-#: How deep the lists of coordinates of each type are nested.
+#: Nesting depth of the coordinate lists of each type.
 _DEPTHS = {
     "Point": 1,
     "MultiPoint": 2,
@@ -28,12 +28,12 @@ _DEPTHS = {
     "MultiPolygon": 4,
 }
 
-#: Lists of what, by depth.
+#: Meaning of a list of coordinates, by depth.
 _LISTS = {1: "a position", 2: "a line or ring", 3: "a polygon"}
 
 
 def read(path: Path) -> Reading:
-    """Read every ring, or every line where there are no rings, in file order.
+    """Read every ring, or every line if there are no rings, in file order.
 
     Parameters
     ----------
@@ -43,7 +43,8 @@ def read(path: Path) -> Reading:
     Returns
     -------
     Reading
-        The geometry; lines beside polygons, points, and what had to be turned are remarks.
+        The geometry, with remarks on lines beside polygons, points, and rings that had to be
+        turned.
 
     Raises
     ------
@@ -82,7 +83,7 @@ def _collect(item: Any, found: Map, path: Path, place: str) -> None:
 
 
 def _add(kind: str, coordinates: list[Any], found: Map, path: Path, place: str) -> None:
-    """Add what a geometry of a given type holds."""
+    """Add the content of a geometry of a given type."""
     where = f"{place} ({kind})"
     if kind == "LineString":
         found.lines.append(_points_of(coordinates, 2, path, where))
@@ -113,7 +114,7 @@ def _points_of(positions: Any, depth: int, path: Path, where: str) -> FloatArray
 
 
 def _check_list(item: Any, depth: int, path: Path, where: str) -> None:
-    """Raise where the coordinates are not nested as their type asks for."""
+    """Raise an error if the coordinates are not nested as their type requires."""
     if not isinstance(item, list):
         found = f"the coordinates have {_described(item)} where {_LISTS[depth]} belongs"
         _refuse(found, path, where, "coordinates nested as the type of the geometry asks for")
@@ -129,7 +130,7 @@ def _list_in(item: dict[str, Any], key: str, path: Path, place: str) -> list[Any
 
 
 def _described(item: Any) -> str:
-    """Return what an item of JSON is, in a few words."""
+    """Describe an item of JSON in a few words."""
     if isinstance(item, list):
         kinds = {i.get("type") for i in item if isinstance(i, dict)}
         of = "features" if kinds == {"Feature"} else "entries"

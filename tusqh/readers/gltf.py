@@ -1,4 +1,4 @@
-"""Read the triangles of a glTF file (.gltf, .glb), each mesh where the scene places it."""
+"""Read the triangles of a glTF file (.gltf, .glb), with each mesh placed as in the scene."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tusqh.readers.reading import Reading
 
 _INSTANCES, _DRACO = "EXT_mesh_gpu_instancing", "KHR_draco_mesh_compression"
 _SUPPORTED = {_INSTANCES, "KHR_mesh_quantization"}
-#: Extensions that begin like this change how things look, not where they are.
+#: Extensions with these prefixes affect appearance, not geometry.
 _APPEARANCE = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "KHR_xmp")
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 
@@ -39,8 +39,8 @@ def read(path: Path) -> Reading:
     Raises
     ------
     GeometryError
-        The file is cut off, needs an extension that is not supported, contradicts the extremes
-        that it states, or the soup is empty, without extent or not finite.
+        The file is cut off, needs an unsupported extension, or contradicts its stated extremes; or
+        the soup is empty, without extent or not finite.
     """
     file = GltfFile(path)
     for name in file.document.get("extensionsRequired", ()):
@@ -71,7 +71,7 @@ def read(path: Path) -> Reading:
 def _placed_nodes(
     file: GltfFile, left_out: Counter[str]
 ) -> Iterator[tuple[dict[str, Any], FloatArray]]:
-    """Yield the nodes of the scene with their place in it."""
+    """Yield the nodes of the scene with their transforms."""
     nodes = file.document.get("nodes", [])
     if file.document.get("scenes"):
         roots = file.item("scenes", file.document.get("scene", 0)).get("nodes", [])
@@ -95,7 +95,7 @@ def _placed_nodes(
 
 
 def _matrix(node: dict[str, Any]) -> FloatArray:
-    """Return the place of a node in the node above."""
+    """Return the transform of a node relative to its parent."""
     if "matrix" in node:
         return np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T
     return _composed(
@@ -106,7 +106,7 @@ def _matrix(node: dict[str, Any]) -> FloatArray:
 
 
 def _composed(translation: FloatArray, rotation: FloatArray, scale: FloatArray) -> FloatArray:
-    """Return the matrix that scales, then turns by a quaternion (x, y, z, w), then moves."""
+    """Return the matrix that scales, then rotates by a quaternion (x, y, z, w), then translates."""
     x, y, z, w = rotation / (np.linalg.norm(rotation) or 1.0)
     turn = np.array(
         [
@@ -122,7 +122,7 @@ def _composed(translation: FloatArray, rotation: FloatArray, scale: FloatArray) 
 
 
 def _instances(file: GltfFile, node: dict[str, Any]) -> list[FloatArray]:
-    """Return the places of the instances of a node, relative to it."""
+    """Return the transforms of a node's instances, relative to the node."""
     extension = node.get("extensions", {}).get(_INSTANCES)
     if extension is None:
         return [np.eye(4)]

@@ -19,7 +19,7 @@ from tusqh.readers.polygon_faces import damaged
 _TYPES = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 _EXPECTED = "a complete glTF 2.0 file"
-#: Difference to the stated extremes, over their range, that rounding explains.
+#: Relative difference from the stated extremes that rounding explains.
 _ROUNDING = 1e-3
 
 
@@ -52,14 +52,14 @@ class GltfFile:
             raise self.fault(f"the version is {version}")
 
     def fault(self, found: str, *, remedy: str = "") -> GeometryError:
-        """Return the error for something wrong with the file.
+        """Return the error for a fault of the file.
 
         Parameters
         ----------
         found
-            What is wrong.
+            The fault.
         remedy
-            What to do; by default, to export the file again.
+            The remedy; by default, to export the file again.
         """
         if remedy:
             return damaged(self.path, found, expected=_EXPECTED, remedy=remedy)
@@ -81,7 +81,7 @@ class GltfFile:
         Raises
         ------
         GeometryError
-            Bytes are missing, or the numbers are not those that the file states.
+            Bytes are missing, or the numbers contradict the file's statements.
         """
         found = self.item("accessors", number)
         count, width = int(found["count"]), _WIDTHS[found["type"]]
@@ -116,7 +116,7 @@ class GltfFile:
         Parameters
         ----------
         kind
-            Name of the list: "nodes".
+            Name of the list, such as "nodes".
         number
             Number of the entry.
 
@@ -132,7 +132,7 @@ class GltfFile:
         return entry
 
     def _split(self, content: bytes) -> bytes:
-        """Return the JSON chunk of a binary file, and keep the other one."""
+        """Return the JSON chunk of a binary file, and store the other one."""
         if len(content) < 20:
             raise self.fault(f"the file has {len(content)} bytes, too few for a header")
         version, length = struct.unpack("<II", content[4:12])
@@ -176,7 +176,7 @@ class GltfFile:
     def _view(
         self, number: int, offset: int, count: int, width: int, kind: np.dtype[Any]
     ) -> np.ndarray[Any, Any]:
-        """Return rows of a view of a buffer."""
+        """Return rows from a buffer view."""
         view = self.item("bufferViews", number)
         if "EXT_meshopt_compression" in view.get("extensions", {}):
             raise self.fault(
@@ -193,7 +193,7 @@ class GltfFile:
         return np.ndarray((count, width), kind, buffer, start + offset, (stride, kind.itemsize))
 
     def _compare(self, number: int, found: dict[str, Any], values: np.ndarray[Any, Any]) -> None:
-        """Compare numbers with the extremes that the file states."""
+        """Compare numbers with the extremes stated in the file."""
         if not len(values) or "min" not in found or "max" not in found:
             return
         stated = np.array([found["min"], found["max"]], dtype=np.float64)

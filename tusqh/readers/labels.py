@@ -1,4 +1,4 @@
-"""What the whole numbers in an image are: labels or grey values."""
+"""Decide whether the integers in an image are labels or grey values."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-#: Up to this many different values can be labels.
+#: Largest number of distinct values that can be labels.
 _MOST_LABELS = 4096
-#: More different values than this are labels only where they jump, as smooth grey values do not.
+#: More distinct values than this are labels only if values jump, which smooth grey values do not.
 _FEW = 32
-#: Planes in a block, and blocks in an image, that are examined.
+#: Number of planes in a block, and of blocks in an image, that are examined.
 _PLANES, _BLOCKS = 8, 16
-#: Ranges of values up to this size are counted in a table.
+#: Largest range of values that is counted in a table.
 _TABLE = 2**20
 
 
 def as_whole_numbers(voxels: NDArray[Any]) -> NDArray[Any] | None:
-    """Return voxels as integers, or None where some are not whole numbers or all are fractions.
+    """Return voxels as integers, or None if some are not integers or all may be fractions.
 
     Parameters
     ----------
     voxels
-        Values, any dtype.
+        Values of any dtype.
     """
     if voxels.dtype.kind in "ui":
         return voxels
@@ -40,7 +40,7 @@ def as_whole_numbers(voxels: NDArray[Any]) -> NDArray[Any] | None:
 
 
 def count_values(voxels: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the different values of whole numbers, ascending, and how many voxels have each.
+    """Return the distinct values of an integer image, ascending, and the voxel count of each.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def count_values(voxels: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.in
     Returns
     -------
     values, counts : ndarray of int64
-        Arrays of one length.
+        Two arrays of equal length.
 
     Examples
     --------
@@ -70,18 +70,18 @@ def count_values(voxels: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.in
 
 
 def look_like_labels(voxels: NDArray[Any], values: NDArray[np.int64]) -> bool:
-    """Return whether whole numbers are labels and not grey values.
+    """Return whether integers are labels rather than grey values.
 
     Labels fill regions: most voxels whose value is neither the smallest nor the largest have a
-    neighbour of the same value along every axis.  Noise does not do that, and neither do the voxels
-    on the boundary of a solid that hold a fraction of material.
+    neighbour of the same value along every axis.  This is true neither of noise nor of voxels on
+    the boundary of a solid that hold a fraction of material.
 
     Parameters
     ----------
     voxels
         Integers, shape (nx, ny, nz).
     values
-        Their different values, ascending.
+        The distinct values, ascending.
 
     Examples
     --------
@@ -118,14 +118,14 @@ def look_like_labels(voxels: NDArray[Any], values: NDArray[np.int64]) -> bool:
 
 
 def suggest_levels(values: NDArray[np.int64], counts: NDArray[np.int64]) -> tuple[int, int] | None:
-    """Return the two peaks of a histogram of grey values, or None where there are not two.
+    """Return the two peaks of a histogram of grey values, or None if there are not two.
 
-    The threshold of Otsu divides the values, and each side has its peak.
+    Otsu's threshold divides the values into two parts, each with its own peak.
 
     Parameters
     ----------
     values, counts
-        Different values, ascending, and how many voxels have each.
+        Distinct values, ascending, and the voxel count of each.
 
     Returns
     -------
@@ -154,7 +154,7 @@ def suggest_levels(values: NDArray[np.int64], counts: NDArray[np.int64]) -> tupl
 
 
 def to_text(values: Sequence[int] | NDArray[np.int64]) -> str:
-    """Return some labels as text, the first eight of many.
+    """Return labels as text, at most the first eight.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def to_text(values: Sequence[int] | NDArray[np.int64]) -> str:
 
 
 def _blocks(voxels: NDArray[Any]) -> list[NDArray[Any]]:
-    """Return blocks of whole planes, evenly over the image; all of it where it is small."""
+    """Return evenly spaced blocks of planes, or the whole image if it is small."""
     n_planes = len(voxels)
     if n_planes <= _PLANES * _BLOCKS:
         return [voxels]
@@ -180,6 +180,6 @@ def _blocks(voxels: NDArray[Any]) -> list[NDArray[Any]]:
 
 
 def _halves(array: NDArray[Any], axis: int) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Return views of an array without its first and without its last layer along an axis."""
+    """Return two views of an array, without its first and without its last layer along an axis."""
     layers = np.moveaxis(array, axis, 0)
     return layers[1:], layers[:-1]

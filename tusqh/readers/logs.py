@@ -1,4 +1,4 @@
-"""What libraries log while they read a file: kept from standard error, and made into remarks."""
+"""Turn the log messages of libraries into remarks, instead of writing them to standard error."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from contextlib import contextmanager
 
 from tusqh.geometry.remark import Remark
 
-#: Different messages that are kept.
+#: Largest number of distinct messages that are kept.
 _MOST = 5
 
 
 class _Collector(logging.Handler):
-    """Keeps the first lines of different messages."""
+    """A handler that keeps the first lines of distinct messages."""
 
     def __init__(self) -> None:
         super().__init__(logging.WARNING)
         self.texts: list[str] = []
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Keep a message once."""
+        """Keep a message unless it is already there."""
         text = (record.getMessage().splitlines() or [""])[0]
         if text not in self.texts and len(self.texts) < _MOST:
             self.texts.append(text)
@@ -28,7 +28,7 @@ class _Collector(logging.Handler):
 
 @contextmanager
 def collect_logs(name: str) -> Iterator[list[str]]:
-    """Collect the warnings of a logger, instead of writing them to standard error.
+    """Collect the warnings of a logger instead of writing them to standard error.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def collect_logs(name: str) -> Iterator[list[str]]:
     Yields
     ------
     list of str
-        Its messages, filled while the context lasts.
+        The messages, which are added while the context is active.
     """
     logger, collector = logging.getLogger(name), _Collector()
     was_open, handlers = logger.propagate, logger.handlers[:]
@@ -57,7 +57,7 @@ def remarks_on_logs(library: str, texts: Sequence[str]) -> list[Remark]:
     Parameters
     ----------
     library
-        Its name.
+        Name of the library.
     texts
         Its messages.
     """

@@ -1,7 +1,7 @@
-"""Outlines from loose lines: chained by their end points, with even-odd directions.
+"""Make outlines from loose lines: chain them by their end points, with even-odd directions.
 
-For formats in which nothing says what is inside.  Chains may run in any direction.  Gaps are
-dirty geometry and are not repaired: what stays open is kept, for the winding number to close.
+This is for formats that do not state what is inside.  Chains may have any direction.  Gaps are
+dirty geometry and are not repaired: open chains are kept, and the winding number deals with them.
 """
 
 from __future__ import annotations
@@ -29,19 +29,20 @@ from tusqh.readers.rings import (
     turned_remark,
 )
 
-#: Ends nearer than this part of the larger side of the drawing are one point: the rounding of
-#: centres, radii and angles in files, a hundredth of what curves are off.
+#: Ends nearer than this fraction of the larger side of the drawing are one point.  It covers the
+#: rounding of centres, radii and angles in files and is a hundredth of the tolerance of curves.
 END_TOLERANCE = 1e-6
 
-#: A chain whose gap is at most this part of its length is a ring with a gap: it gets a direction.
+#: A chain whose gap is at most this fraction of its length counts as a ring and gets a direction.
 SMALL_GAP = 0.1
 
 
 def join_loose(chains: Sequence[FloatArray]) -> tuple[list[FloatArray], list[Remark]]:
-    """Return loose chains joined to rings, each with the material on the same hand.
+    """Return loose chains joined to rings, all with the material on the same side.
 
-    A ring that lies in an odd number of others is a hole.  Chains that are drawn twice are used
-    once.  Where three or more lines meet, the outer boundary of all pieces between them counts.
+    A ring that lies inside an odd number of other rings is a hole.  A chain that is drawn twice is
+    used once.  Where three or more lines meet, the outer boundary of all faces between them is
+    used.
 
     Parameters
     ----------
@@ -51,7 +52,7 @@ def join_loose(chains: Sequence[FloatArray]) -> tuple[list[FloatArray], list[Rem
     Returns
     -------
     chains, remarks
-        Rings and the chains that stay open, and what was changed.
+        Rings and chains that remain open, and remarks on changes.
     """
     kept = [chain for chain in chains if len(chain) > 1]
     if not kept or not all(np.isfinite(chain).all() for chain in kept):
@@ -74,7 +75,7 @@ def join_loose(chains: Sequence[FloatArray]) -> tuple[list[FloatArray], list[Rem
 
 
 def _without_copies(chains: list[FloatArray]) -> list[FloatArray]:
-    """Return the chains without those that have the same points, in either direction."""
+    """Return the chains without copies, which have the same points in either direction."""
     seen: set[bytes] = set()
     kept = []
     for chain in chains:
@@ -90,7 +91,7 @@ def _without_copies(chains: list[FloatArray]) -> list[FloatArray]:
 
 @dataclass
 class _Joined:
-    """Chains after joining; how many loose ones were used and how many left out."""
+    """Chains after joining, with the numbers of loose chains used and left out."""
 
     chains: list[FloatArray]
     n_used: int = 0
@@ -98,7 +99,7 @@ class _Joined:
 
 
 def _join(chains: list[FloatArray]) -> _Joined:
-    """Return the closed chains, and the loose ones joined where their ends meet."""
+    """Return the closed chains, and the loose chains after joining those whose ends meet."""
     loose = [k for k, chain in enumerate(chains) if not is_closed(chain)]
     if len(loose) == 0:
         return _Joined(chains)
@@ -130,7 +131,7 @@ def _join(chains: list[FloatArray]) -> _Joined:
 
 
 def _match_ends(ends: FloatArray, tolerance: float) -> tuple[IntArray, FloatArray]:
-    """Return the number of the point at every end, and the points."""
+    """Return the index of the point at every end, and the points."""
     pairs = cKDTree(ends).query_pairs(tolerance, output_type="ndarray")
     pair = (np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1]))
     _, label = connected_components(coo_array(pair, shape=(len(ends),) * 2), directed=False)
@@ -139,7 +140,7 @@ def _match_ends(ends: FloatArray, tolerance: float) -> tuple[IntArray, FloatArra
 
 
 def _outer_rings(chains: list[FloatArray]) -> list[FloatArray]:
-    """Return the outer rings of the pieces that branching chains enclose."""
+    """Return the outer rings of the faces that branching chains enclose."""
     lines = [shapely.linestrings(chain) for chain in chains]
     faces = shapely.get_parts(shapely.polygonize(lines))
     return rings_of_region(shapely.union_all(faces))[0] if len(faces) else []
@@ -153,7 +154,7 @@ def _is_part(chain: FloatArray, rings: list[FloatArray]) -> bool:
 
 
 def _walk(chains: list[FloatArray], edges: IntArray) -> list[FloatArray]:
-    """Return connected chains as rings and open walks; a walk leaves a ring where it returns."""
+    """Return connected chains as rings and open walks; a walk that meets itself yields a ring."""
     unused: dict[int, list[int]] = {}
     for edge, (a, b) in enumerate(edges.tolist()):
         unused.setdefault(a, []).append(edge)
@@ -184,7 +185,7 @@ def _walk(chains: list[FloatArray], edges: IntArray) -> list[FloatArray]:
 
 
 def _next(candidates: list[int], is_used: BoolArray) -> int | None:
-    """Return the first chain in a list that was not visited yet, and remove it."""
+    """Remove and return the first unvisited chain in a list."""
     while candidates:
         k = candidates.pop(0)
         if not is_used[k]:
@@ -193,14 +194,14 @@ def _next(candidates: list[int], is_used: BoolArray) -> int | None:
 
 
 def _concatenated(steps: list[FloatArray]) -> FloatArray:
-    """Return chains that follow each other as one."""
+    """Return consecutive chains as one chain."""
     return np.concatenate([steps[0][:1], *(step[1:] for step in steps)])
 
 
 def _resolve(chains: list[FloatArray]) -> tuple[list[FloatArray], list[int], int]:
-    """Return rings that do not cross themselves, their sides, and how many were replaced.
+    """Return rings without self-crossings, their sides, and the number of replaced rings.
 
-    Open chains are on a side if their gap is small; others keep their direction.
+    Open chains have a side if their gap is small; otherwise they keep their direction.
     """
     is_ring = [_is_nearly_closed(chain) for chain in chains]
     regions = regions_of([chain for chain, ring in zip(chains, is_ring, strict=True) if ring])
@@ -222,7 +223,7 @@ def _resolve(chains: list[FloatArray]) -> tuple[list[FloatArray], list[int], int
 
 
 def _is_nearly_closed(chain: FloatArray) -> bool:
-    """Return whether a chain is a ring but for a small gap."""
+    """Return whether a chain is a ring except for a small gap."""
     if len(chain) < 4 - (not is_closed(chain)):
         return False
     length = np.linalg.norm(np.diff(chain, axis=0), axis=1).sum()
@@ -230,7 +231,7 @@ def _is_nearly_closed(chain: FloatArray) -> bool:
 
 
 def _count_crossings(rings: list[FloatArray]) -> int:
-    """Return how many pairs of rings overlap without one lying in the other."""
+    """Return the number of pairs of rings that overlap without one lying inside the other."""
     regions = regions_of([ring for ring in rings if is_closed(ring) and len(ring) > 3])
     first, second = shapely.STRtree(regions).query(regions, predicate="overlaps")
     return int((first < second).sum())

@@ -1,4 +1,4 @@
-"""Geometry from objects in memory: arrays, and meshes of trimesh and pyvista."""
+"""Read geometry from objects in memory: arrays, and meshes of trimesh and pyvista."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ def read_object(
         pair of arrays: points, shape (n, 3), with triangles, shape (m, 3), or points, shape
         (n, 2), with segments, shape (m, 2); or an `Outline`, `Soup` or `Image`.
     name
-        What messages call the geometry.
+        Name of the geometry in messages.
     image
-        What voxels mean, see `tusqh.settings.voxels.Voxels`.
+        The meaning of voxels, see `tusqh.settings.voxels.Voxels`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Read an image from a NumPy file: an array indexed ``[x, y, z]``."""
+"""Read an image from a NumPy file with an array indexed ``[x, y, z]``."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from tusqh.settings.voxels import Voxels
 
 
 def read(path: Path, *, meaning: Voxels) -> Reading:
-    """Read the voxels; the file does not give their size.
+    """Read the voxels; the file does not state their size.
 
     Parameters
     ----------
     path
         The file.
     meaning
-        What the voxels mean.
+        The meaning of the voxels.
 
     Returns
     -------
@@ -30,7 +30,7 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
     Raises
     ------
     GeometryError
-        The file has more or fewer bytes than its header says, or the array is not an image, see
+        The file has more or fewer bytes than its header states, or the array is not an image, see
         `tusqh.geometry.image.Image`.
     """
     with path.open("rb") as file:

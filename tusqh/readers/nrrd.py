@@ -1,4 +1,4 @@
-"""Read an image from an NRRD file, in the directions and at the place that its header gives."""
+"""Read an image from an NRRD file, with the directions and the position in its header."""
 
 from __future__ import annotations
 
@@ -24,30 +24,30 @@ from tusqh.readers.reading import Reading
 from tusqh.readers.voxels import Place, image_in_file
 from tusqh.settings.voxels import Voxels
 
-#: Components of a direction up to this, relative to its length, are taken as zero.
+#: Components of a direction up to this, relative to its length, count as zero.
 _PARALLEL = 1e-6
 _OPENERS: dict[str, Callable[..., Any]] = {
     **dict.fromkeys(("gz", "gzip"), gzip.open),
     **dict.fromkeys(("bz2", "bzip2"), bz2.open),
 }
-#: Bytes that a compressed byte can become, and bytes that are decompressed at a time.
+#: Largest expansion of a compressed byte, and number of bytes decompressed at a time.
 _MOST_COMPRESSED, _BLOCK = 1032, 1 << 20
-#: Kinds of axes that are directions of space; "" is for axes without a kind.
+#: Kinds of axes that are directions of space; "" stands for axes without a kind.
 _IN_SPACE = ("domain", "space", "", "???", "none")
 
 
 def read(path: Path, *, meaning: Voxels) -> Reading:
-    """Read the voxels, their size and their place.
+    """Read the voxels, their size and their position.
 
-    Axes are flipped and exchanged as the directions in the header say.  An origin is the centre of
-    the first voxel; without one the lowest corner of the image is at 0.
+    Axes are flipped and exchanged according to the directions in the header.  The origin in the
+    header is the centre of the first voxel; without it the lowest corner of the image is at 0.
 
     Parameters
     ----------
     path
         The file.
     meaning
-        What the voxels mean.
+        The meaning of the voxels.
 
     Returns
     -------
@@ -57,10 +57,10 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
     Raises
     ------
     GeometryError
-        Axes are oblique or not directions of space, the voxels are not cubes, or the array is not
-        an image.
+        Axes are oblique or are not directions of space, the voxels are not cubes, or the array is
+        not an image.
     """
-    with path.open("rb") as file:  # A name with a newline would be taken for a header.
+    with path.open("rb") as file:  # pynrrd would treat a name with a newline as a header.
         _check_data(path, nrrd.read_header(file))
     voxels, header = nrrd.read(str(path), index_order="F")
     others = _find_others(header, voxels.ndim)
@@ -84,9 +84,9 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
 
 
 def _check_data(path: Path, header: dict[str, Any]) -> None:
-    """Raise where the data is in another folder, or needs more memory than there is.
+    """Raise an error if the data is in another folder or does not fit in memory.
 
-    Compressed data is counted before it is kept where it could be longer than the memory.
+    If compressed data could exceed the memory, its length is counted before it is stored.
     """
     name = header.get("data file", header.get("datafile"))
     part = path if name is None else check_part(path, str(name))
@@ -106,7 +106,7 @@ def _check_data(path: Path, header: dict[str, Any]) -> None:
                 while n_read <= 2 * needed + _BLOCK and (block := data.read(_BLOCK)):
                     n_read += len(block)
         except (OSError, EOFError, zlib.error):
-            return  # pynrrd says what is damaged.
+            return  # pynrrd will report the damage.
     if n_read > 2 * needed + _BLOCK:
         raise GeometryError(
             "its compressed data is more than twice as long as the image",
@@ -118,11 +118,11 @@ def _check_data(path: Path, header: dict[str, Any]) -> None:
 
 @dataclass(frozen=True)
 class _Frame:
-    """Where the three axes of an image lie: axis a steps by `steps[a]` along axis `towards[a]`."""
+    """The frame of an image's three axes: axis a has steps `steps[a]` along axis `towards[a]`."""
 
     steps: FloatArray
     towards: NDArray[np.int64]
-    #: Centre of the first voxel, None where the file does not give it.
+    #: Centre of the first voxel, None if the file does not state it.
     first: FloatArray | None = None
 
     def arrange(self, voxels: NDArray[Any]) -> NDArray[Any]:
@@ -149,7 +149,7 @@ def _find_others(header: dict[str, Any], n_axes: int) -> list[str]:
 
 
 def _find_frame(where: str, header: dict[str, Any], in_space: list[int]) -> _Frame:
-    """Return where the axes in space lie."""
+    """Return the frame of the axes in space."""
     n_axes = len(in_space)
     if header.get("space directions") is None:
         spacings = np.asarray(header.get("spacings", np.ones(header["dimension"])), dtype=float)
@@ -160,7 +160,7 @@ def _find_frame(where: str, header: dict[str, Any], in_space: list[int]) -> _Fra
     rows = [np.asarray(header["space directions"][i], dtype=float) for i in in_space]
     matrix = np.array(rows)
     if matrix.shape != (3, 3):
-        if n_axes != 3:  # Explained with the shape of the array.
+        if n_axes != 3:  # A later check explains this with the shape of the array.
             return _Frame(np.ones(3), np.arange(3))
         raise _oblique(where, f"its directions have {matrix.shape[-1]} components")
     lengths = np.linalg.norm(matrix, axis=1)
@@ -179,7 +179,7 @@ def _find_frame(where: str, header: dict[str, Any], in_space: list[int]) -> _Fra
 def _steps_between_ends(
     header: dict[str, Any], in_space: list[int], steps: FloatArray
 ) -> FloatArray:
-    """Return the steps that "axis mins" and "axis maxs" give where there are no spacings."""
+    """Return the steps from "axis mins" and "axis maxs", for a header without spacings."""
     if "axis mins" not in header or "axis maxs" not in header:
         return steps
     ends = [np.asarray(header[key], dtype=float)[in_space] for key in ("axis mins", "axis maxs")]
@@ -207,14 +207,14 @@ def _lowest_corner(frame: _Frame, shape: list[int]) -> list[float]:
 
 
 def _unit_in(header: dict[str, Any]) -> str:
-    """Return the unit of length that the header gives; several are joined by commas."""
+    """Return the unit of length in the header; several units are joined by commas."""
     units = header.get("space units", header.get("units", []))
     named = sorted({str(unit).strip(' "') for unit in units if unit is not None})
     return ", ".join(name for name in named if name not in ("", "nan"))
 
 
 def _remark_on_last_number(path: Path, header: dict[str, Any]) -> list[Remark]:
-    """Return a remark where the last number of a text may have lost digits."""
+    """Return a remark if the last number of a text may have lost digits."""
     if str(header["encoding"]).lower() not in ("ascii", "text", "txt") or "data file" in header:
         return []
     with path.open("rb") as file:
@@ -226,7 +226,7 @@ def _remark_on_last_number(path: Path, header: dict[str, Any]) -> list[Remark]:
 
 
 def _oblique(where: str, found: str) -> GeometryError:
-    """Return the error for axes that are not those of space."""
+    """Return the error for axes that are not parallel to those of space."""
     return GeometryError(
         found,
         where=where,

@@ -95,9 +95,10 @@ def _vertices(lines: list[bytes], path: Path) -> FloatArray:
 def _corners(
     faces: list[bytes], n_before: IntArray, n_points: int, path: Path
 ) -> tuple[IntArray, IntArray]:
-    """Return the points at the corners of all faces, from 0, and the corners of every face.
+    """Return the points at the corners of all faces, from 0, and each face's number of corners.
 
-    Negative numbers count back from the vertices above the line of the face, shape (n_faces,).
+    Negative numbers count back from the last vertex before the face; `n_before`, shape (n_faces,),
+    is the number of vertices before each face.
     """
     rows = [face.split() for face in faces]
     counts = np.array([len(row) for row in rows], dtype=np.int64)
@@ -125,7 +126,7 @@ def _parts(is_object: BoolArray, is_face: BoolArray) -> IntArray:
 
 
 def _check_counts(content: bytes, n_points: int, n_faces: int, path: Path) -> None:
-    """Compare with the counts that MeshLab writes as comments."""
+    """Compare the numbers of points and faces with those that MeshLab writes as comments."""
     for (keyword, stated), again in _stated(content):
         found = n_points if keyword == b"Vertices" else n_faces
         if not again and int(stated) != found:
@@ -137,7 +138,7 @@ def _check_counts(content: bytes, n_points: int, n_faces: int, path: Path) -> No
 
 
 def _stated(content: bytes) -> list[tuple[tuple[bytes, bytes], bool]]:
-    """Return counts in comments, and whether there are several of the same kind."""
+    """Return the counts in comments, and whether there are several of the same kind."""
     found = _COUNT.findall(content)
     kinds = [kind for kind, _ in found]
     return [((kind, number), kinds.count(kind) > 1) for kind, number in found]

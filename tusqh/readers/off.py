@@ -1,4 +1,4 @@
-"""Read the polygons of an OFF file (Geomview), in its variants."""
+"""Read the polygons of an OFF file (Geomview) in its variants."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from tusqh.readers.polygon_faces import (
 from tusqh.readers.reading import Reading
 
 _KEYWORD = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?OFF\b[ \t]*(BINARY)?")
-#: Longer words are cut: no number has as many digits.
+#: Longer words are truncated, since no number has that many digits.
 _LONGEST_WORD = 60
 _EXPECTED = "text that begins with OFF, then the numbers of points, faces and edges"
 
@@ -33,7 +33,7 @@ Words = NDArray[np.bytes_]
 
 
 class _Rows(NamedTuple):
-    """Words of a text, and how many of them each row has."""
+    """The words of a text, and the number of words in each row."""
 
     words: Words
     lengths: IntArray
@@ -45,7 +45,7 @@ class _Rows(NamedTuple):
 
 
 class _Header(NamedTuple):
-    """What the keyword says: numbers of a point beside its coordinates, and homogeneous ones."""
+    """The header: whether points are homogeneous, and which further numbers they have."""
 
     is_homogeneous: bool
     n_extra: int
@@ -71,8 +71,8 @@ def read(path: Path) -> Reading:
     Raises
     ------
     GeometryError
-        A binary file, a dimension other than 3, other counts than the header promises, or the soup
-        is empty, without extent or not finite.
+        The file is binary, its dimension is not 3, its counts contradict its header, or the soup is
+        empty, without extent or not finite.
     """
     content = without_byte_order_mark(path.read_bytes(), path)
     header, text = _header(re.sub(rb"#[^\r\n]*", b"", content), path)
@@ -102,7 +102,7 @@ def read(path: Path) -> Reading:
 
 
 def _header(text: bytes, path: Path) -> tuple[_Header, bytes]:
-    """Return what the keyword says, and the text after it."""
+    """Return the meaning of the keyword, and the text after it."""
     text = text.lstrip()
     keyword = _KEYWORD.match(text)
     if keyword is None:
@@ -147,7 +147,7 @@ def _counts(text: bytes, path: Path) -> tuple[int, int, _Rows]:
 def _rows_of_words(
     words: Words, n_points: int, n_faces: int, width: int, path: Path
 ) -> _Rows | None:
-    """Return a row for each point and face where lines mean nothing; None if words do not fit."""
+    """Return a row for each point and face regardless of lines; None if the words do not fit."""
     if n_points * width + n_faces > len(words):
         return None
     try:
@@ -180,7 +180,7 @@ def _points(rows: _Rows, n_points: int, header: _Header, path: Path) -> FloatArr
 
 
 def _faces(rows: _Rows, n_points: int, n_faces: int, path: Path) -> tuple[IntArray, IntArray]:
-    """Return the corners of all faces, one after the other, and the number of each face's."""
+    """Return the corners of all faces, one after the other, and each face's number of corners."""
     chosen = slice(n_points, n_points + n_faces)
     starts, lengths = rows.starts[chosen], rows.lengths[chosen]
     stated = numbers_of(rows.words[starts], path, what="corner counts")

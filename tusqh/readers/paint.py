@@ -1,6 +1,6 @@
-"""The union of filled shapes, as rings with the material on one hand.
+"""Compute the union of filled shapes, as rings with the material on one side.
 
-Every shape paints its own area by its own fill rule.  Rings that cross nothing keep their points.
+Every shape paints its area by its own fill rule.  Rings that cross no other ring keep their points.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from tusqh.readers.rings import (
     signed_area,
 )
 
-#: Areas that differ by less than this part are equal.
+#: Areas with a relative difference below this are equal.
 _EQUAL = 1e-9
 
 
 @dataclass(frozen=True)
 class Painted:
-    """A shape as rings, their sides (1 outer, -1 hole), its region, and whether a clip cut it."""
+    """A painted shape: rings, sides (1 outer, -1 hole), region, and whether it was clipped."""
 
     rings: list[FloatArray]
     sides: list[int]
@@ -39,16 +39,16 @@ class Painted:
 
 
 def paint(rings: Sequence[FloatArray], *, rule: str, clip: Any = None) -> Painted | None:
-    """Return what a shape paints, None if that has no area.
+    """Return the area that a shape paints, None if it is empty.
 
     Parameters
     ----------
     rings
-        Its subpaths; open ones are filled as if they were closed.
+        Subpaths of the shape; open ones are filled as if they were closed.
     rule
         "nonzero" or "evenodd".
     clip
-        The region of shapely that is visible, None for everything.
+        The visible region, a geometry of shapely; None if everything is visible.
     """
     rings = [ring for ring in rings if len(ring) > 2 and np.ptp(ring, axis=0).min() > 0]
     if not rings:
@@ -62,7 +62,7 @@ def paint(rings: Sequence[FloatArray], *, rule: str, clip: Any = None) -> Painte
 
 
 def _by_nesting(rings: list[FloatArray], regions: Regions, rule: str) -> Painted | None:
-    """Return what rings paint that neither cross nor equal each other, None if they do."""
+    """Return the area of rings that neither cross nor equal each other; None for other rings."""
     if any(crossing_area(*pair) > _EQUAL for pair in zip(rings, regions, strict=True)):
         return None
     inner, outer = containers(regions)
@@ -103,7 +103,7 @@ def _with_holes(
 
 
 def _by_faces(rings: list[FloatArray], rule: str) -> Painted:
-    """Return what any rings paint: the pieces between them whose winding number is painted."""
+    """Return the painted area of arbitrary rings, from the winding numbers of their faces."""
     closed = [np.concatenate([ring, ring[:1]]) for ring in rings]
     noded = shapely.union_all(
         shapely.linestrings(
@@ -122,7 +122,7 @@ def _by_faces(rings: list[FloatArray], rule: str) -> Painted:
 
 
 def _winding(ring: FloatArray, points: FloatArray) -> IntArray:
-    """Return how often a closed ring winds around points."""
+    """Return the winding number of a closed ring around points."""
     (x0, y0), (x1, y1) = ring[:-1].T, ring[1:].T
     winding = np.zeros(len(points), dtype=np.int64)
     for first in range(0, len(points), 256):
@@ -134,7 +134,7 @@ def _winding(ring: FloatArray, points: FloatArray) -> IntArray:
 
 
 def unite(painted: Sequence[Painted]) -> tuple[list[FloatArray], list[int], int]:
-    """Return the rings and sides of the union of shapes, and how many shapes overlap others.
+    """Return the rings and sides of the union of shapes, and the number of overlapping shapes.
 
     Parameters
     ----------
@@ -144,7 +144,8 @@ def unite(painted: Sequence[Painted]) -> tuple[list[FloatArray], list[int], int]
     Returns
     -------
     rings, sides, n_overlapping
-        The rings, 1 for outer ones and -1 for holes, and the number of shapes that overlap.
+        The rings, their sides (1 for outer rings, -1 for holes), and the number of overlapping
+        shapes.
     """
     regions = np.array([p.region for p in painted], dtype=object)
     first, second = shapely.STRtree(regions).query(regions, predicate="intersects")

@@ -41,8 +41,8 @@ def read(path: Path) -> Reading:
     Raises
     ------
     GeometryError
-        The header is damaged, the file holds fewer rows than it promises, or the soup is empty,
-        without extent or not finite.
+        The header is damaged, the file holds fewer rows than its header states, or the soup is
+        empty, without extent or not finite.
     """
     content = without_byte_order_mark(path.read_bytes(), path)
     header, body = read_header(content, path)
@@ -82,7 +82,7 @@ def _points(columns: Columns, path: Path) -> FloatArray:
 
 
 def _lists(columns: Columns, path: Path) -> tuple[IntArray, IntArray]:
-    """Return the points of all faces or strips, one after the other, and each one's number."""
+    """Return the points of all faces or strips, one after the other, and the count of each."""
     for name in _CORNERS:
         found = columns.get(name)
         if isinstance(found, Lists):
@@ -100,7 +100,7 @@ def _lists(columns: Columns, path: Path) -> tuple[IntArray, IntArray]:
 
 
 def _strips(points: IntArray, counts: IntArray) -> IntArray:
-    """Return the triangles of strips; -1 ends a strip, and the next one begins."""
+    """Return the triangles of strips; -1 separates one strip from the next."""
     is_end = points == -1
     row = np.repeat(np.arange(len(counts)), counts)
     strip = np.cumsum(is_end) + row

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tusqh.readers.polygon_faces import damaged
 
-#: NumPy's name for every type of PLY.
+#: NumPy's name of every PLY type.
 TYPES = {
     **{"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"},
     **{"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"},
@@ -25,9 +25,9 @@ class Property:
     name
         Its name.
     type
-        NumPy's name of the type of its value, or of the entries of its list.
+        NumPy's name for the type of its value, or of the entries of its list.
     count_type
-        The type of the number of entries, None where the property is not a list.
+        Type of the number of entries; None if the property is not a list.
     """
 
     name: str
@@ -44,9 +44,9 @@ class Element:
     name
         Its name.
     n_rows
-        How many rows there are.
+        Number of rows.
     properties
-        What each row holds.
+        Properties in each row.
     """
 
     name: str
@@ -61,14 +61,14 @@ class Element:
 
 @dataclass(frozen=True)
 class Header:
-    """What comes before the rows.
+    """The header, which precedes the rows.
 
     Parameters
     ----------
     encoding
         "ascii", "binary_little_endian" or "binary_big_endian".
     elements
-        In the order of the file.
+        Elements in the order of the file.
     """
 
     encoding: str
@@ -88,14 +88,14 @@ def read_header(content: bytes, path: Path) -> tuple[Header, bytes]:
     Returns
     -------
     header : Header
-        Its encoding and elements.
+        The encoding and the elements.
     body : bytes
-        What follows the line ``end_header``.
+        The bytes after the line ``end_header``.
 
     Raises
     ------
     GeometryError
-        The header is damaged, or of an unknown encoding or type.
+        The header is damaged, or has an unknown encoding or type.
     """
     head, mark, body = content.partition(b"end_header")
     if not mark or not head.startswith(b"ply"):

@@ -1,4 +1,4 @@
-"""The rows of a PLY file, text or binary, as columns."""
+"""Read the rows of a PLY file, text or binary, as columns."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def read_rows(header: Header, body: bytes, path: Path) -> tuple[dict[str, Column
     Parameters
     ----------
     header
-        What the rows hold.
+        The header, which describes the rows.
     body
         The bytes after the header.
     path
@@ -39,14 +39,14 @@ def read_rows(header: Header, body: bytes, path: Path) -> tuple[dict[str, Column
     Returns
     -------
     columns : dict
-        The properties by name, of every element by name.
+        For every element name, the properties by name.
     n_surplus : int
         Bytes of a binary file, or words of a text, after the last row.
 
     Raises
     ------
     GeometryError
-        The file holds fewer rows than its header promises.
+        The file holds fewer rows than its header states.
     """
     columns: dict[str, Columns] = {}
     if header.encoding == "ascii":
@@ -65,21 +65,21 @@ def read_rows(header: Header, body: bytes, path: Path) -> tuple[dict[str, Column
 
 
 def count_lists(values: FloatArray, n_lists: int) -> tuple[IntArray, int]:
-    """Return the numbers of entries of lists, each of which follows its number, and their end.
+    """Return the lengths of consecutive lists, each preceded by its length, and the place after.
 
     Parameters
     ----------
     values
         Counts and entries, shape (n,).
     n_lists
-        How many lists there should be.
+        Expected number of lists.
 
     Returns
     -------
     counts : numpy.ndarray
-        Number of entries of every list that is whole, shape (n_whole,).
+        Number of entries of every complete list, shape (n_whole,).
     end : int
-        The place after the last one.
+        The place after the last complete list.
 
     Examples
     --------
@@ -152,7 +152,7 @@ def _rounded(values: FloatArray, type_name: str) -> FloatArray:
 
 
 def _require(element: Element, n_found: int, path: Path) -> None:
-    """Raise where rows are missing."""
+    """Raise an error if rows are missing."""
     if n_found < element.n_rows:
         raise damaged(
             path,
@@ -163,12 +163,12 @@ def _require(element: Element, n_found: int, path: Path) -> None:
 
 
 def spread(starts: IntArray, counts: IntArray, step: int) -> IntArray:
-    """Return starts, starts + step, ... with the given number of terms, one after the other.
+    """Return arithmetic sequences (start, start + step, ...), one after the other.
 
     Parameters
     ----------
     starts
-        First terms, shape (n,).
+        First terms of the sequences, shape (n,).
     counts
         Numbers of terms, shape (n,).
     step
@@ -186,7 +186,7 @@ def spread(starts: IntArray, counts: IntArray, step: int) -> IntArray:
 
 @numba.njit(cache=True)
 def _walk_words(values, place, n_rows, is_list):  # type: ignore[no-untyped-def]
-    """Return places and numbers of entries, the place after the last row, and whole rows."""
+    """Return places and counts of entries, the place after the last row, and complete rows."""
     width = len(is_list)
     starts = np.zeros((n_rows, width), dtype=np.int64)
     counts = np.ones((n_rows, width), dtype=np.int64)

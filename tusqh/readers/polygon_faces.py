@@ -1,4 +1,4 @@
-"""Polygons of surface files: cut into triangles, with remarks; and the error for damaged files."""
+"""Cut the polygons of surface files into triangles, and make the error for damaged files."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from tusqh.errors import GeometryError
 from tusqh.geometry.remark import Remark
 from tusqh.grid import FloatArray, IntArray
 
-#: Longer words do not become an array, whose rows are all as long as the longest one.
+#: Longer words are not put into an array, because all its rows would be as long as the longest.
 _LONGEST_NUMBER = 40
 
 
 def cut_polygons(corners: IntArray, counts: IntArray) -> tuple[IntArray, IntArray]:
     """Return the triangles of polygons, each a fan about its first corner.
 
-    A fan of a planar polygon encloses what the polygon encloses, convex or not.
+    The fan of a planar polygon, convex or not, encloses the same volume as the polygon.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def cut_polygons(corners: IntArray, counts: IntArray) -> tuple[IntArray, IntArra
     Returns
     -------
     triangles : numpy.ndarray
-        Shape (m, 3), in the order of the polygons; those of fewer than three corners have none.
+        Shape (m, 3), in the order of the polygons; polygons of fewer than three corners have none.
     polygon : numpy.ndarray
         The polygon of every triangle, shape (m,).
 
@@ -62,7 +62,7 @@ def cut_strips(corners: IntArray, counts: IntArray) -> IntArray:
     Returns
     -------
     numpy.ndarray
-        Shape (m, 3); triangles with two equal corners, which only steer a strip, are left out.
+        Shape (m, 3), without triangles with two equal corners, which only steer a strip.
 
     Examples
     --------
@@ -81,7 +81,7 @@ def cut_strips(corners: IntArray, counts: IntArray) -> IntArray:
 
 
 def polygon_remarks(counts: IntArray) -> list[Remark]:
-    """Return the remarks on polygons that are cut, and on those that have no area.
+    """Return the remarks on polygons that are cut, and on faces without an area.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def remarks_of(*remarks: Remark) -> list[Remark]:
 
 
 def without_byte_order_mark(content: bytes, path: Path) -> bytes:
-    """Return text without the mark that some editors write before it.
+    """Return text without the byte order mark that some editors prepend.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def without_byte_order_mark(content: bytes, path: Path) -> bytes:
     Raises
     ------
     GeometryError
-        The text is in UTF-16, or the file is empty.
+        The file is empty.
     """
     if not content.strip():
         raise damaged(path, "the file is empty", expected="a surface of triangles or polygons")
@@ -137,7 +137,7 @@ def numbers_of(words: Sequence[bytes] | NDArray[np.bytes_], path: Path, *, what:
     path
         The file, for the message.
     what
-        What the numbers are, for the message: "coordinates".
+        Meaning of the numbers in the message, such as "coordinates".
 
     Raises
     ------
@@ -175,17 +175,17 @@ def damaged(
     expected: str,
     remedy: str = "copy or export the file again; it is cut off or damaged",
 ) -> GeometryError:
-    """Return the error for a file that is damaged.
+    """Return the error for a damaged file.
 
     Parameters
     ----------
     path
         The file.
     found
-        What is wrong with it.
+        The fault.
     expected
-        What a whole file has.
+        What a complete file contains.
     remedy
-        What to do.
+        The remedy.
     """
     return GeometryError(found, where=str(path), expected=expected, remedy=remedy)

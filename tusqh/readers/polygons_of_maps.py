@@ -1,4 +1,4 @@
-"""Outlines of maps: polygons of rings, and lines beside them."""
+"""Make the outlines of maps from polygons of rings, and from lines beside them."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from tusqh.readers.rings import (
 
 @dataclass
 class Map:
-    """What a map holds.
+    """The content of a map.
 
     Parameters
     ----------
@@ -37,13 +37,13 @@ class Map:
     sides
         1 for outer rings, -1 for holes.
     outer
-        For every ring the number of its polygon's outer ring; its own number for outer rings.
+        Number of each ring's outer ring in its polygon; an outer ring has its own number.
     places
-        Where each ring is in the file, for remarks.
+        Location of each ring in the file, for remarks.
     lines
         Lines, in file order.
     n_points
-        How many points the file has.
+        Number of points in the file.
     """
 
     rings: list[FloatArray] = field(default_factory=list)
@@ -71,7 +71,7 @@ class Map:
             self.places.append(f"{place}, ring {k}")
 
     def add_hole(self, ring: FloatArray, place: str) -> None:
-        """Add a hole that is known to lie in some other ring.
+        """Add a hole that is known to lie in another ring.
 
         Parameters
         ----------
@@ -89,9 +89,9 @@ class Map:
 def reading_of_map(found: Map, *, name: str) -> Reading:
     """Return the outline of a map, with remarks.
 
-    Rings get their direction from their place in the polygon, rings that cross themselves enclose
-    their even-odd area, and holes beside their outer ring are left out.  Lines bound an area only
-    where there are no polygons.
+    The place of a ring in its polygon determines its direction, self-crossing rings enclose their
+    even-odd area, and holes beside their outer ring are left out.  Lines bound an area only if
+    there are no polygons.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def reading_of_map(found: Map, *, name: str) -> Reading:
 
 
 def _resolve(found: Map) -> tuple[list[FloatArray], list[int], list[Remark]]:
-    """Return rings that do not cross themselves, their sides, and what was changed."""
+    """Return rings without self-crossings, their sides, and remarks on changes."""
     whole = [k for k, ring in enumerate(found.rings) if len(ring) > 2]
     regions: list[Any] = [None] * len(found.rings)
     for k, region in zip(whole, regions_of([found.rings[k] for k in whole]), strict=True):
@@ -151,7 +151,7 @@ def _resolve(found: Map) -> tuple[list[FloatArray], list[int], list[Remark]]:
 
 
 def _remarks_on(places: dict[str, list[str]]) -> list[Remark]:
-    """Return the remarks on rings that cross themselves, and on holes that remove nothing."""
+    """Return the remarks on self-crossing rings, and on holes that remove nothing."""
     remarks = []
     if places["crossing"]:
         what = f"self-crossing rings read by the even-odd rule ({_listed(places['crossing'])})"

@@ -1,4 +1,4 @@
-"""The result of a reader: the geometry, and remarks about how the file was read."""
+"""The result of a reader: the geometry, and remarks on how the file was read."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ class Reading:
     geometry
         The geometry, without any repair.
     remarks
-        What was left out, changed or noted, in the order of the file.
+        Remarks on what was left out, changed or noted, in the order of the file.
     unit
-        Unit of length that the file states, or that its format fixes; empty where there is none.
+        Unit of length that the file states or that its format fixes; empty if there is none.
     unit_source
-        Which of the two: "file", "format" or, where there is none, "none".
+        Source of the unit: "file", "format" or, if there is no unit, "none".
     format
         Name of the format, see `tusqh.readers.formats.FORMATS`.
     """

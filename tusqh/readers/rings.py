@@ -1,7 +1,7 @@
-"""Directions of rings: which of them bound material from outside, and which are holes.
+"""Direct rings: determine which of them bound material from outside, and which are holes.
 
-A ring is a closed chain of points.  No point moves here; rings are only turned, and only where a
-ring crosses itself is it replaced by the pieces that it encloses.
+A ring is a closed chain of points.  No point moves here: rings are only reversed, except that a
+ring that crosses itself is replaced by the regions that it encloses.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from tusqh.geometry.remark import Remark
 from tusqh.grid import BoolArray, FloatArray, IntArray
 
-#: A ring that crosses itself is kept unchanged if its winding number gets less than this part of
-#: its area wrong; such a crossing is a drawing error, not a shape.
+#: A self-crossing ring is kept unchanged if its winding number is wrong on less than this fraction
+#: of its area; such a crossing is a drawing error, not a shape.
 SLIP = 1e-3
 
 Regions = NDArray[Any]
@@ -82,7 +82,7 @@ def _areal(region: Any) -> Any:
 
 
 def rings_of_region(region: Any) -> tuple[list[FloatArray], list[int]]:
-    """Return the rings of a region, outer ones counter-clockwise, and the side of each.
+    """Return the rings of a region, with outer ones counter-clockwise, and the side of each.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def rings_of_region(region: Any) -> tuple[list[FloatArray], list[int]]:
     Returns
     -------
     rings, sides
-        The rings, and 1 for outer ones and -1 for holes.
+        The rings, and their sides: 1 for outer rings and -1 for holes.
     """
     parts = shapely.get_parts(shapely.get_parts(region))
     rings: list[FloatArray] = []
@@ -107,14 +107,14 @@ def rings_of_region(region: Any) -> tuple[list[FloatArray], list[int]]:
 
 
 def crossing_area(ring: FloatArray, region: Any) -> float:
-    """Return how far the winding area of a ring is off, as a part of the area that it encloses.
+    """Return the relative error of a ring's winding area, compared with the enclosed area.
 
     Parameters
     ----------
     ring
         The ring.
     region
-        What it encloses by the even-odd rule.
+        The region that it encloses by the even-odd rule.
 
     Examples
     --------
@@ -127,7 +127,7 @@ def crossing_area(ring: FloatArray, region: Any) -> float:
 
 
 def containers(regions: Regions) -> tuple[IntArray, IntArray]:
-    """Return the pairs of regions of which the first lies within the second.
+    """Return the pairs of regions whose first lies within the second.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def containers(regions: Regions) -> tuple[IntArray, IntArray]:
     Returns
     -------
     inner, outer : numpy.ndarray
-        Numbers of the regions, shape (n,); copies of one region are not in each other.
+        Indices of the regions, shape (n,); copies of one region do not contain each other.
     """
     if len(regions) < 2:
         return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
@@ -148,14 +148,14 @@ def containers(regions: Regions) -> tuple[IntArray, IntArray]:
 
 
 def even_odd_sides(regions: Regions) -> IntArray:
-    """Return the side of every ring by how many others it lies in: 1 if even, -1 if odd.
+    """Return the side of every ring: 1 if it lies inside an even number of others, else -1.
 
     Copies of a ring count once, and rings that cross each other do not count.
 
     Parameters
     ----------
     regions
-        What every ring encloses.
+        The region that every ring encloses.
     """
     inner, outer = containers(regions)
     first = first_of_copies(regions)[outer] == outer
@@ -164,7 +164,7 @@ def even_odd_sides(regions: Regions) -> IntArray:
 
 
 def first_of_copies(regions: Regions) -> IntArray:
-    """Return for every region the number of the first one that has the same corners.
+    """Return for every region the index of the first region with the same corners.
 
     Parameters
     ----------
@@ -179,23 +179,22 @@ def first_of_copies(regions: Regions) -> IntArray:
 def settle(
     rings: Sequence[FloatArray], sides: Sequence[int] | IntArray
 ) -> tuple[list[FloatArray], int]:
-    """Return the rings turned so that all have the material on the same hand.
+    """Return the rings, reversed where necessary so that all have the material on the same side.
 
-    The hand is that of the majority (by area), so that files that agree with themselves stay as
-    they are.
+    That side is the side of the majority (by area), so consistent files do not change.
 
     Parameters
     ----------
     rings
         The rings.
     sides
-        For each 1 where the material is inside, -1 where it is outside, 0 where the direction
-        is not known and stays.
+        For each ring, 1 if the material is inside, -1 if it is outside, 0 if the direction is
+        unknown and must not change.
 
     Returns
     -------
     rings, n_turned
-        The rings in the same order, and how many were turned.
+        The rings in the same order, and the number of reversed rings.
 
     Examples
     --------
@@ -213,12 +212,12 @@ def settle(
 
 
 def turned_remark(n_turned: int) -> list[Remark]:
-    """Return the remark on rings that were turned, none if there are none.
+    """Return the remark on rings that were reversed, if there are any.
 
     Parameters
     ----------
     n_turned
-        How many.
+        Number of reversed rings.
     """
     what = "rings turned, since the others have the material on the other hand"
     return [Remark("changed", what, n_turned)] if n_turned else []

@@ -1,4 +1,4 @@
-"""Read a CSV file of loose segments: a header ``x0,y0,x1,y1``, then one segment per row."""
+"""Read a CSV file of segments: a header ``x0,y0,x1,y1``, then one segment per row."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ SEGMENT_COLUMNS = ("x0", "y0", "x1", "y1")
 def read(path: Path) -> Reading:
     """Read every row as a chain of two points.
 
-    Where the directions of segments contradict each other, the segments are loose lines: they are
-    chained by their end points, and rings nest by even and odd, see `tusqh.readers.loose`.
+    If the directions of segments contradict each other, the segments are loose lines: they are
+    chained by their end points, and rings follow the even-odd rule, see `tusqh.readers.loose`.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def read(path: Path) -> Reading:
     Returns
     -------
     Reading
-        The geometry, with remarks where segments were chained.
+        The geometry, with remarks if segments were chained.
 
     Raises
     ------
@@ -57,9 +57,9 @@ def read(path: Path) -> Reading:
 
 
 def _is_directed(chains: list[FloatArray]) -> bool:
-    """Return whether segments that meet at a point lead to it and from it equally often.
+    """Return whether equally many of the segments that meet at a point start and end there.
 
-    A point of one segment alone is an end, not a contradiction.
+    A point of a single segment is an open end, not a contradiction.
     """
     if not chains or not all(np.isfinite(chain).all() for chain in chains):
         return True

@@ -18,9 +18,9 @@ from tusqh.readers.rings import even_odd_sides, regions_of
 def read(path: Path) -> Reading:
     """Read every ring and line as a chain, in file order.
 
-    Only the ``.shp`` itself is read, neither its table nor its coordinate system; points and
-    empty shapes have no lines and are skipped; z and m are dropped.  A ring is a hole if it lies
-    in an odd number of other rings of its shape, whatever its direction.
+    Only the ``.shp`` file is read, neither its table nor its coordinate system; points and empty
+    shapes have no lines and are skipped; z and m are dropped.  A ring is a hole if it lies inside
+    an odd number of other rings of its shape, regardless of its direction.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def read(path: Path) -> Reading:
     Raises
     ------
     ValueError
-        The file is damaged, or holds patches in space.
+        The file is damaged, or holds patches in 3D.
     GeometryError
         The outline is empty, without extent or not finite.
     """

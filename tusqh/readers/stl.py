@@ -1,7 +1,7 @@
 """Read the triangles of an STL file.
 
-STL has no connectivity, so every triangle has corners of its own; only equal coordinates tell
-which triangles meet, see `tusqh.geometry.soup.Soup.matched`.
+STL has no connectivity, so every triangle has its own corners; only equal coordinates show which
+triangles meet, see `tusqh.geometry.soup.Soup.matched`.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def read(path: Path) -> Reading:
 
 
 def _is_text(content: bytes) -> bool:
-    """Return whether the file is text: some binary files begin with ``solid`` too."""
+    """Return whether the file is text, although some binary files also begin with ``solid``."""
     start = content[:512].removeprefix(b"\xef\xbb\xbf").lstrip()
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return True
@@ -132,7 +132,7 @@ def _facets(words: list[bytes], path: Path) -> tuple[FloatArray, IntArray]:
 
 
 def _irregular_facets(words: list[bytes], path: Path) -> tuple[FloatArray, IntArray]:
-    """Return the same where facets have other numbers of corners, or no normal."""
+    """Return the same for facets without a normal or with other numbers of corners."""
     array = np.array([word[:8] for word in words])
     opened = np.flatnonzero(array == b"facet")
     closed = np.flatnonzero(array == b"endfacet")

@@ -1,4 +1,4 @@
-"""The surfaces in scenes of trimesh and datasets of VTK.
+"""Extract the surfaces in scenes of trimesh and datasets of VTK.
 
 Nothing is merged, closed, oriented or dropped; polygons are cut into triangles.
 """
@@ -16,7 +16,7 @@ from tusqh.geometry.remark import Remark
 from tusqh.geometry.soup import Part
 from tusqh.grid import IntArray
 
-#: Dimension of the cell types of VTK that have fixed shapes.
+#: Dimension of the VTK cell types with a fixed shape.
 _DIMENSIONS = {
     **dict.fromkeys((1, 2), 0),
     **dict.fromkeys((3, 4, 21, 35, 60, 68), 1),
@@ -24,13 +24,13 @@ _DIMENSIONS = {
     **dict.fromkeys((10, 11, 12, 13, 14, 15, 16, 24, 25, 26, 27, 29, 31, 32, 33, 37, 42), 3),
     **dict.fromkeys((64, 65, 66, 67, 71, 72, 73, 74, 75, 78, 79, 80, 81), 3),
 }
-#: Corners of the cell types that have a fixed number of them.
+#: Number of corners of the cell types for which it is fixed.
 _CORNERS = {1: 1, 3: 2, 5: 3, 8: 4, 9: 4, 10: 4, 11: 8, 12: 8, 13: 6, 14: 5, 15: 10, 16: 12}
 _CORNERS |= {21: 3, 22: 6, 23: 8, 24: 10, 25: 20, 26: 15, 27: 13, 28: 9, 29: 27}
 
 
 def surfaces_of_scene(scene: Any) -> list[Part]:
-    """Return the meshes of a scene, each where the scene places it.
+    """Return the meshes of a scene, placed as in the scene.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def surfaces_of_scene(scene: Any) -> list[Part]:
 
 
 def surfaces_of_dataset(dataset: Any, *, name: str = "dataset") -> tuple[list[Part], list[Remark]]:
-    """Return the surface of a dataset; of a volume mesh, its boundary.
+    """Return the surface of a dataset, or the boundary of a volume mesh.
 
     Parameters
     ----------
@@ -71,12 +71,13 @@ def surfaces_of_dataset(dataset: Any, *, name: str = "dataset") -> tuple[list[Pa
     parts : list
         Points and triangles.
     remarks : list of Remark
-        Elements of the boundary of volume cells, which would count twice, lines and points.
+        Remarks on boundary elements of volume cells, which would count twice, and on lines and
+        points.
 
     Raises
     ------
     GeometryError
-        The dataset is an image, which is a solid box without its values, or has damaged cells.
+        The dataset is an image (whose surface would be a box), or has damaged cells.
     """
     pyvista = require("pyvista", extra="formats")
     if isinstance(dataset, (pyvista.ImageData, pyvista.RectilinearGrid)):
@@ -101,7 +102,7 @@ def surfaces_of_dataset(dataset: Any, *, name: str = "dataset") -> tuple[list[Pa
 
 
 def _without_boundary_elements(dataset: Any, name: str) -> tuple[Any, list[Remark]]:
-    """Return an unstructured grid without cells that its volume cells already bound."""
+    """Return an unstructured grid without faces that its volume cells already have."""
     cells = dataset.GetCells()
     corners = _array(cells.GetConnectivityArray())
     offsets = _array(cells.GetOffsetsArray())
@@ -136,7 +137,7 @@ def _array(array: Any) -> IntArray:
 
 
 def _require_corners(cells: Any, n_points: int, name: str) -> None:
-    """Raise where a corner or an offset does not exist: VTK would read beyond its memory."""
+    """Raise an error if a corner or offset does not exist, because VTK would read out of bounds."""
     corners, offsets = _array(cells.GetConnectivityArray()), _array(cells.GetOffsetsArray())
     ends = offsets[[0, -1]].tolist() if len(offsets) else [0, len(corners)]
     if ends != [0, len(corners)] or (np.diff(offsets) < 0).any():

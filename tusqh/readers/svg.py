@@ -1,4 +1,4 @@
-"""Read an SVG drawing: the union of what its elements fill, transforms and clip paths applied."""
+"""Read an SVG drawing as the union of its filled elements, with transforms and clip paths."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from tusqh.readers.svg_tree import Clip, Shape, Walk
 
 
 def read(path: Path) -> Reading:
-    """Read the area that the elements of a drawing fill, or its lines where none is filled.
+    """Read the area that the elements of a drawing fill, or its lines if none is filled.
 
-    Every element paints its own area by its own fill rule, and the drawing is their union; rings
-    that overlap nothing keep their points.  Straight lines are kept exactly; curves become chords
-    that stay within `CHORD_TOLERANCE` of them.  Coordinates are the user units of the root
-    element.  The y axis of SVG points down, so y changes its sign and the picture stands upright.
-    A path without ``Z`` stays open.  What is not painted, text, images and everything else that
-    is not read are remarks.
+    Every element paints its area by its own fill rule, and the drawing is their union; rings
+    without overlaps keep their points.  Straight lines are kept exactly; curves become chords that
+    stay within `CHORD_TOLERANCE` of them.  Coordinates are in user units of the root element.  The
+    y axis of SVG points down, so the sign of y is changed to keep the picture upright.  A path
+    without ``Z`` stays open.  Remarks list elements that are not painted, and text, images and
+    everything else that is not read.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def read(path: Path) -> Reading:
 
 
 def _chains_of(shapes: list[Shape], tolerance: float) -> tuple[list[FloatArray], list[Remark]]:
-    """Return the rings of what is filled, or the lines where nothing is."""
+    """Return the rings of the filled area, or the lines if nothing is filled."""
     flat = [[flatten(subpath, tolerance) for subpath in shape.subpaths] for shape in shapes]
     if not all(np.isfinite(chain).all() for chains in flat for chain in chains):
         return [chain for chains in flat for chain in chains], []
@@ -93,7 +93,7 @@ def _chains_of(shapes: list[Shape], tolerance: float) -> tuple[list[FloatArray],
 
 
 def _region_of_clips(clips: tuple[Clip, ...], chains: list[FloatArray], tolerance: float) -> Any:
-    """Return the region that all clips of an element leave visible."""
+    """Return the region that remains visible under all clips of an element."""
     regions = []
     for clip in clips:
         parts = []

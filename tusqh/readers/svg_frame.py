@@ -21,7 +21,7 @@ _KEYWORDS = {"left": 0.0, "top": 0.0, "center": 0.5, "right": 1.0, "bottom": 1.0
 
 @dataclass(frozen=True)
 class Viewport:
-    """The box that percentages refer to, in user units; None where it is not known."""
+    """The box to which percentages refer, in user units; `size` is None if it is unknown."""
 
     low: tuple[float, float] = (0.0, 0.0)
     size: tuple[float, float] | None = None
@@ -34,12 +34,12 @@ class Viewport:
         text
             A number with or without a unit.
         axis
-            0 for widths, 1 for heights, 2 for radii: what a percentage refers to.
+            Reference of a percentage: 0 for widths, 1 for heights, 2 for radii.
 
         Raises
         ------
         ValueError
-            The text is not a length, or a percentage of a size that is not known.
+            The text is not a length, or is a percentage of an unknown size.
         """
         match = re.fullmatch(rf"\s*({_NUMBER})\s*([a-zA-Z]*|%)\s*", text)
         if match is None or match[2].lower() not in {*_UNITS, "%"}:
@@ -64,7 +64,7 @@ def numbers_in(text: str) -> list[float]:
 
 
 def viewport_of(element: Element, outer: Viewport) -> Viewport:
-    """Return the viewport that percentages inside an <svg> or <symbol> refer to.
+    """Return the viewport to which percentages inside an <svg> or <symbol> refer.
 
     Parameters
     ----------
@@ -86,22 +86,22 @@ def viewport_of(element: Element, outer: Viewport) -> Viewport:
 def map_of_viewport(
     element: Element, outer: Viewport, replaced: Mapping[str, str]
 ) -> tuple[FloatArray, FloatArray | None]:
-    """Return the transform from inside a nested <svg> or <symbol>, and the corners it clips to.
+    """Return the transform of a nested <svg> or <symbol>, and the corners of its clip.
 
     Parameters
     ----------
     element
         The element.
     outer
-        The viewport that it is in.
+        The viewport that contains it.
     replaced
-        `width` and `height` that a <use> gives instead of the element's.
+        `width` and `height` of a <use> that replace those of the element.
 
     Returns
     -------
     transform, corners
-        The transform, shape (3, 3), and the corners of the viewport in outer coordinates, shape
-        (4, 2); None where its size is not known.
+        The transform from inner coordinates, shape (3, 3), and the corners of the viewport in outer
+        coordinates, shape (4, 2), or None if its size is unknown.
     """
     given = {**element.attrib, **replaced}
     x, y = outer.length(given.get("x", "0"), 0), outer.length(given.get("y", "0"), 1)
@@ -133,9 +133,9 @@ def transform_of(style: Mapping[str, str], viewport: Viewport) -> FloatArray:
     Parameters
     ----------
     style
-        With `transform` and `transform-origin`, as an attribute or in CSS.
+        Style with `transform` and `transform-origin`, from attributes or CSS.
     viewport
-        What percentages refer to.
+        The reference of percentages.
 
     Raises
     ------
@@ -161,7 +161,7 @@ def transform_of(style: Mapping[str, str], viewport: Viewport) -> FloatArray:
 
 
 def _origin(words: list[str], viewport: Viewport) -> list[float]:
-    """Return the point that a transform is about."""
+    """Return the origin of a transform."""
     if words[0] in ("top", "bottom") or words[1] in ("left", "right"):
         words = [words[1], words[0]]
     if any(w in _KEYWORDS for w in words[:2]) and viewport.size is None:

@@ -1,4 +1,4 @@
-"""Shapes of SVG as curves: paths and basic shapes, flattened to chains."""
+"""Convert paths and basic shapes of SVG to curves, and flatten them to chains."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
 
 @dataclass(frozen=True)
 class Subpath:
-    """Continuous curves of one element and the transform, shape (3, 3), that applies to them."""
+    """Continuous curves of one element, and their transform, shape (3, 3)."""
 
     curves: list[Any]
     transform: FloatArray
 
 
 def subpaths_of(element: Element, transform: FloatArray, viewport: Viewport) -> list[Subpath]:
-    """Return the continuous runs of curves of a shape.
+    """Return the continuous runs of curves in a shape.
 
     Parameters
     ----------
     element
         One of `SHAPES`.
     transform
-        From its coordinates to those of the root, shape (3, 3).
+        Transform from its coordinates to those of the root, shape (3, 3).
     viewport
-        What percentages refer to.
+        The reference of percentages.
 
     Raises
     ------
@@ -49,13 +49,13 @@ def subpaths_of(element: Element, transform: FloatArray, viewport: Viewport) -> 
     text = _path_of(element, viewport)
     if not text:
         return []
-    with warnings.catch_warnings():  # Arcs without a radius are lines: nothing to warn of.
+    with warnings.catch_warnings():  # Arcs without a radius are lines and need no warning.
         warnings.simplefilter("ignore")
         return [Subpath(run, transform) for run in _continuous(parse_path(text))]
 
 
 def _path_of(element: Element, viewport: Viewport) -> str:
-    """Return a shape as the text of a path, empty where the shape is not rendered."""
+    """Return a shape as the text of a path; empty if the shape is not rendered."""
     name = tag_of(element)
     if name == "path":
         text = element.get("d", "")
@@ -83,7 +83,7 @@ def _path_of(element: Element, viewport: Viewport) -> str:
 
 
 def _radii(element: Element, viewport: Viewport) -> tuple[float, float]:
-    """Return rx and ry, each the other one where it is not given."""
+    """Return rx and ry; a missing radius equals the other one."""
     given = [element.get("rx", "auto"), element.get("ry", "auto")]
     radii = [None if r.strip() == "auto" else viewport.length(r, k) for k, r in enumerate(given)]
     rx, ry = radii
@@ -91,7 +91,7 @@ def _radii(element: Element, viewport: Viewport) -> tuple[float, float]:
 
 
 def _rectangle(element: Element, viewport: Viewport, low: tuple[float, float]) -> str:
-    """Return a rectangle, with rounded corners where both radii are positive."""
+    """Return a rectangle, with rounded corners if both radii are positive."""
     w = viewport.length(element.get("width") or "0", 0)
     h = viewport.length(element.get("height") or "0", 1)
     if min(w, h) <= 0:
@@ -110,7 +110,7 @@ def _rectangle(element: Element, viewport: Viewport, low: tuple[float, float]) -
 
 
 def _continuous(curves: Any) -> Iterator[list[Any]]:
-    """Yield the runs of curves in which each starts where the one before it ended."""
+    """Yield the runs of curves in which each curve starts at the end of the previous one."""
     run: list[Any] = []
     for curve in curves:
         if run and run[-1].end != curve.start:
@@ -122,7 +122,7 @@ def _continuous(curves: Any) -> Iterator[list[Any]]:
 
 
 def _points_at(curve: Any, transform: FloatArray, parameters: FloatArray) -> FloatArray:
-    """Return transformed points on a curve, the y axis turned up, its ends exactly."""
+    """Return transformed points on a curve, with exact ends and the y axis pointing up."""
     inner = [curve.point(t) for t in parameters[1:-1]]
     numbers = np.array([curve.start, *inner, curve.end], dtype=np.complex128)
     moved = np.column_stack([numbers.real, numbers.imag]) @ transform[:2, :2].T + transform[:2, 2]
@@ -130,7 +130,7 @@ def _points_at(curve: Any, transform: FloatArray, parameters: FloatArray) -> Flo
 
 
 def flatten(subpath: Subpath, tolerance: float) -> FloatArray:
-    """Return the polyline that stays within the tolerance of a subpath, shared ends once.
+    """Return a polyline within the tolerance of a subpath; shared ends occur once.
 
     Parameters
     ----------

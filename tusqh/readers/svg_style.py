@@ -1,4 +1,4 @@
-"""Styles of SVG elements: attributes, `style` attributes and simple CSS rules, inherited."""
+"""Compute styles of SVG elements from attributes, `style` attributes, CSS rules and inheritance."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import re
 from collections.abc import Iterator, Mapping
 from xml.etree.ElementTree import Element
 
-#: Properties that an element hands on to what is inside it, with their initial values.
+#: Properties that an element passes on to its children, with their initial values.
 INHERITED = {"fill": "black", "fill-rule": "nonzero", "clip-rule": "nonzero"}
 INHERITED |= {"visibility": "visible"}
 
 _OTHERS = ("display", "clip-path", "mask", "transform", "transform-origin", "overflow")
 _SELECTOR = re.compile(r"([\w-]+|\*)?((?:[.#][\w-]+)*)")
 
-#: Declarations by the parts of a selector: (tag, names with their mark), in order.
+#: A selector (tag, and names with their mark) and its declarations.
 Rule = tuple[str, tuple[str, ...], dict[str, str]]
 
 
@@ -29,7 +29,7 @@ def tag_of(element: Element) -> str:
 
 
 def rules_of(root: Element) -> tuple[list[Rule], int]:
-    """Return the CSS rules in a drawing, and how many selectors were not understood.
+    """Return the CSS rules in a drawing, and the number of selectors that were not understood.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def rules_of(root: Element) -> tuple[list[Rule], int]:
     Returns
     -------
     rules, n_unknown
-        The rules, the weakest first, and the number of selectors.
+        The rules in order of increasing specificity, and the number of unknown selectors.
     """
     rules: list[Rule] = []
     n_unknown = 0
@@ -78,9 +78,9 @@ def style_of(element: Element, outer: Mapping[str, str], rules: list[Rule]) -> d
     element
         The element.
     outer
-        The style of what it is inside of.
+        The style of its parent.
     rules
-        CSS rules, the weakest first.
+        CSS rules, in order of increasing specificity.
     """
     style = {name: outer.get(name, value) for name, value in INHERITED.items()}
     own = {n: element.get(n, "") for n in (*INHERITED, *_OTHERS) if element.get(n) is not None}

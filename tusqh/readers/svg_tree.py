@@ -1,4 +1,4 @@
-"""The shapes in the tree of an SVG drawing, each with its transform, fill rule and clips."""
+"""Collect the shapes of an SVG drawing, each with its transform, fill rule and clips."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from tusqh.readers.svg_frame import Viewport, map_of_viewport, transform_of, vie
 from tusqh.readers.svg_shapes import SHAPES, Subpath, subpaths_of
 from tusqh.readers.svg_style import references_in, rules_of, style_of, tag_of
 
-#: Elements whose content is drawn only when something else refers to it.
+#: Elements whose content is drawn only if another element refers to it.
 _NOT_DRAWN = {"defs", "symbol", "clipPath", "mask", "marker", "pattern", "style", "script"}
 _NOT_DRAWN |= {"linearGradient", "radialGradient", "filter", "metadata", "title", "desc"}
 
-#: Elements that draw something that is not read.
+#: Elements that draw something but are not read.
 _NOT_READ = {"text": "texts", "image": "images", "foreignObject": "foreign objects"}
 
 _XLINK = "{http://www.w3.org/1999/xlink}href"
@@ -29,14 +29,14 @@ _DEEPEST = 100
 
 @dataclass(frozen=True)
 class Clip:
-    """The shapes whose union is visible, from the chains of the element that is clipped."""
+    """A clip: the function from the chains of the clipped element to the visible shapes."""
 
     shapes_for: Callable[[list[FloatArray]], list[Shape]]
 
 
 @dataclass(frozen=True)
 class Shape:
-    """An element that is drawn: its subpaths, whether and by which rule it fills, its clips."""
+    """A drawn element: its subpaths, whether it is filled, its fill rule, and its clips."""
 
     subpaths: list[Subpath]
     is_filled: bool
@@ -46,7 +46,7 @@ class Shape:
 
 @dataclass(frozen=True)
 class _Context:
-    """What an element gets from those around it."""
+    """The properties that an element inherits from its ancestors."""
 
     transform: FloatArray
     style: Mapping[str, str]
@@ -87,7 +87,7 @@ class Walk:
             self._enter(child, context, self.shapes)
 
     def remarks(self) -> list[Remark]:
-        """Return the remarks on what was met."""
+        """Return the remarks on the elements that were encountered."""
         order = {"left out": 0, "changed": 1, "noted": 2}
         found = sorted(self._counts.items(), key=lambda item: (order[item[0][0]], item[0][1]))
         return [Remark(effect, what, n) for (effect, what), n in found]  # type: ignore[arg-type]
@@ -149,7 +149,7 @@ class Walk:
             shapes.append(Shape(subpaths, is_filled, rule, context.clips))
 
     def _use(self, element: Element, context: _Context, shapes: list[Shape]) -> None:
-        """Add the shapes of the element that a <use> refers to; none if there is none."""
+        """Add the shapes of the element to which a <use> refers, if it exists."""
         name = element.get("href") or element.get(_XLINK) or ""
         target = self._by_id.get(name.removeprefix("#")) if name.startswith("#") else None
         if target is None or context.depth > _DEEPEST // 2:
@@ -180,7 +180,7 @@ class Walk:
         )
 
     def _clips_of(self, style: Mapping[str, str], context: _Context) -> tuple[Clip, ...]:
-        """Return the clips that a style asks for."""
+        """Return the clips that a style specifies."""
         if style.get("mask", "none") != "none":
             self._count("noted", "masks, which are not applied")
         value = style.get("clip-path", "none")

@@ -1,4 +1,4 @@
-"""Read an image from a TIFF stack: its pages are z, the rows of a page y, the columns x."""
+"""Read an image from a TIFF stack, whose pages are z, rows y and columns x."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ from tusqh.settings.voxels import Voxels
 
 #: Axes of tifffile that are not directions of space.
 _OTHERS = {"C": "channels (axis C)", "T": "times (axis T)", "S": "colours (axis S)"}
-#: Axes that can be pages without further meaning.
+#: Axes that can be pages without a stated meaning.
 _PAGES = "IQ"
 
 
 def read(path: Path, *, meaning: Voxels) -> Reading:
-    """Read the voxels, without turning any axis, and their size as ImageJ or OME give it.
+    """Read the voxels, without turning any axis, and their size as stated by ImageJ or OME.
 
     Parameters
     ----------
     path
         The file.
     meaning
-        What the voxels mean.
+        The meaning of the voxels.
 
     Returns
     -------
@@ -52,7 +52,7 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
     with collect_logs("tifffile") as texts, tifffile.TiffFile(path) as file:
         try:
             voxels, axes, n_empty = _stack(path, file)
-        except ValueError as error:  # tifffile does without imagecodecs where it can.
+        except ValueError as error:  # tifffile needs imagecodecs only for some files.
             if "imagecodecs" in str(error):
                 require("imagecodecs", extra="formats")
             raise
@@ -87,7 +87,7 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
 
 
 def _orientation_of(page: Any) -> int:
-    """Return the tag Orientation of a page: 1 where its first row is the top one."""
+    """Return the tag Orientation of a page, which is 1 if its first row is the top one."""
     tag = page.tags.get("Orientation")
     orientation = 1 if tag is None else int(tag.value)
     if not 1 <= orientation <= 8:
@@ -105,7 +105,7 @@ def _upright(voxels: NDArray[Any], orientation: int) -> NDArray[Any]:
 
 
 def _stack(path: Path, file: Any) -> tuple[NDArray[Any], str, int]:
-    """Return the only image of a file, or all of its pages as one, with a letter for each axis."""
+    """Return the only image of a file, or all its pages as one image, with a letter per axis."""
     shapes = [(series.shape, series.dtype, series.axes) for series in file.series]
     if not shapes:
         raise ValueError("it has no pages")
@@ -132,7 +132,7 @@ def _stack(path: Path, file: Any) -> tuple[NDArray[Any], str, int]:
 
 
 def _check_number(path: Path, file: Any) -> None:
-    """Raise where ImageJ's description counts other images than the file has."""
+    """Raise an error if ImageJ's description states another number of images than the file has."""
     stated = (file.imagej_metadata or {}).get("images")
     n_found = sum(
         int(np.prod([n for n, axis in zip(s.shape, s.axes, strict=True) if axis not in "YXS"]))
@@ -148,7 +148,7 @@ def _check_number(path: Path, file: Any) -> None:
 
 
 def _remark_on_page(page: Any) -> list[Remark]:
-    """Return remarks on tags that change what numbers and rows mean, and are not followed."""
+    """Return remarks on tags that would change the meaning of numbers but are ignored."""
     remarks = []
     if int(page.photometric) == 0:
         remedy = "give `empty` above `full` where the bright voxels are the material"

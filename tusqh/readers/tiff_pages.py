@@ -1,4 +1,4 @@
-"""The pages of a TIFF file, followed one by one, and whether all of their data is there."""
+"""Follow the pages of a TIFF file one by one, and check that all their data is present."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, BinaryIO
 
 from tusqh.errors import GeometryError
 
-#: Version of the file: format of an offset, of a number of tags, and bytes of a tag.
+#: For each file version, the formats of an offset and of a number of tags, and the bytes of a tag.
 _KINDS = {42: ("I", "H", 12), 43: ("Q", "Q", 20)}
 
 
@@ -28,7 +28,7 @@ def count_pages(path: Path) -> int:
     Raises
     ------
     GeometryError
-        The chain leaves the file or turns back: the file is cut off or damaged.
+        The chain leaves the file or forms a loop, so the file is cut off or damaged.
     ValueError
         The file does not start like a TIFF file.
     """
@@ -58,7 +58,7 @@ def count_pages(path: Path) -> int:
 
 
 def check_data(path: Path, series: Any) -> int:
-    """Check that the file has all of the data of a series; return how many parts are left empty.
+    """Check that the file has all data of a series, and return the number of empty parts.
 
     Parameters
     ----------

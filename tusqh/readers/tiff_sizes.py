@@ -1,4 +1,4 @@
-"""The size of a voxel in a TIFF file, as ImageJ or OME give it."""
+"""Read the size of a voxel in a TIFF file, as stated by ImageJ or OME."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any
 from tusqh.errors import GeometryError
 from tusqh.geometry.remark import Remark
 
-#: Lengths of units in metres, as OME writes them.
+#: Units of length in metres, with the names that OME uses.
 _METRES = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "um": 1e-6, "nm": 1e-9, "pm": 1e-12}
 #: Units of the tag ResolutionUnit.
 _TAG_UNITS = {2: "inch", 3: "cm"}
 
-#: Side lengths, unit of length (empty where there is none) and remarks.
+#: Side lengths, unit of length (empty if there is none) and remarks.
 Sizes = tuple[list[float], str, list[Remark]]
 
 
@@ -30,7 +30,7 @@ def voxel_sides(where: str, file: Any) -> Sizes:
     Raises
     ------
     GeometryError
-        The file gives the size along some axes only, or pixels are not square.
+        The file states the size along some axes only, or pixels are not square.
     """
     if file.is_ome:
         return _of_ome(where, file.ome_metadata)
@@ -56,7 +56,7 @@ def voxel_sides(where: str, file: Any) -> Sizes:
 
 
 def _of_ome(where: str, text: str) -> Sizes:
-    """Return what the description of OME says."""
+    """Return the sizes in the description of OME."""
     root = ET.fromstring(text)
     pixels = next((node for node in root.iter() if node.tag.endswith("}Pixels")), None)
     given = {} if pixels is None else pixels.attrib
@@ -82,7 +82,7 @@ def _of_ome(where: str, text: str) -> Sizes:
 
 
 def _pixel_side(page: Any, name: str) -> float:
-    """Return the side length of a pixel that a tag gives, 1 where it gives none."""
+    """Return the side length of a pixel from a tag, 1 if it states none."""
     tag = page.tags.get(name)
     if tag is None:
         return 1.0
@@ -91,12 +91,12 @@ def _pixel_side(page: Any, name: str) -> float:
 
 
 def _named(unit: str) -> str:
-    """Return the name of a unit of length, empty where sizes are counted in pixels."""
+    """Return the name of a unit of length; empty if sizes are in pixels."""
     return "" if unit in ("pixel", "pixels") else unit.replace("\\u00B5", "µ")
 
 
 def _remark_on_resolution(page: Any, side: float) -> list[Remark]:
-    """Return a remark on a resolution that says nothing about the distance of the pages."""
+    """Return a remark on a resolution that does not state the distance of the pages."""
     tag = page.tags.get("ResolutionUnit")
     unit = _TAG_UNITS.get(int(tag.value) if tag is not None else 1, "unit")
     if side == 1.0:

@@ -1,4 +1,4 @@
-"""The image of voxels that a file holds, and the options that say what they mean."""
+"""Make the image from the voxels in a file, with the options that define their meaning."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from tusqh.readers.axes import take_space
 from tusqh.readers.reading import Reading
 from tusqh.settings.voxels import Voxels
 
-#: Voxels whose side lengths differ by at most this, relatively, count as cubes.
+#: Voxels whose side lengths have at most this relative difference count as cubes.
 _CUBIC = 1e-6
-#: Different whole numbers up to this many deserve a remark where they are read as grey values.
+#: Up to this number of distinct integers, reading them as grey values deserves a remark.
 _FEW = 16
 
 
 class Place(NamedTuple):
-    """Where the voxels of a file are.
+    """The location of the voxels of a file.
 
     Parameters
     ----------
     sides
-        Side lengths of a voxel along x, y and z, 1 where the file gives none.
+        Side lengths of a voxel along x, y and z; 1 if the file states none.
     origin
-        Lowest corner of voxel (0, 0, 0) in the file's unit.  A given voxel size scales it.
+        Lowest corner of voxel (0, 0, 0), in the file's unit; a given voxel size scales it.
     unit
-        Unit of length that the file states, empty where it states none.
+        Unit of length that the file states; empty if it states none.
     """
 
     sides: Sequence[float] = (1.0, 1.0, 1.0)
@@ -55,7 +55,7 @@ def image_in_file(
     is_named: bool = False,
     remarks: Sequence[Remark] = (),
 ) -> Reading:
-    """Return the image that a file holds, of the axes of its array that are directions of space.
+    """Return the image in a file, along those axes of its array that are directions of space.
 
     Parameters
     ----------
@@ -66,21 +66,21 @@ def image_in_file(
     meaning
         The options, see `tusqh.settings.voxels.Voxels`.
     axes
-        For each axis a plural noun, such as "channels", or "" for a direction of space; empty
-        where all of them are.
+        For each axis a plural noun, such as "channels", or "" for a direction of space; empty if
+        all of them are directions of space.
     arrange
-        Turns and flips the axes in space into the order x, y, z.
+        Function that brings the axes in space into the order x, y, z, and flips them.
     place
         Size of the voxels, lowest corner and unit.
     is_named
-        Whether the file itself says what its axes are, so that a thin one needs no remark.
+        Whether the file itself names its axes, so that a thin one needs no remark.
     remarks
-        What the reader has to say.
+        Remarks of the reader.
 
     Raises
     ------
     GeometryError
-        As `image_of` and `tusqh.readers.axes.take_space`.
+        See `image_of` and `tusqh.readers.axes.take_space`.
     """
     voxels = take_space(str(path), voxels, axes or [""] * voxels.ndim, channel=meaning.channel)
     voxels = arrange(voxels) if arrange else voxels
@@ -113,7 +113,7 @@ def image_of(
     place
         Size of the voxels, lowest corner and unit.
     remarks
-        What the reader has to say.
+        Remarks of the reader.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def image_of(
 
 
 def _remark_on_thin_axis(shape: Sequence[int]) -> list[Remark]:
-    """Return a remark on an axis that looks like colours or channels, if there is one."""
+    """Return a remark if an axis looks like colours or channels."""
     thin = min(shape, default=0)
     if len(shape) != 3 or not 2 <= thin <= 4 or sorted(shape)[1] < 16:
         return []
@@ -166,7 +166,7 @@ _Interpretation = tuple[NDArray[Any], float | None, float | None, list[Remark]]
 
 
 def _interpret(where: str, voxels: NDArray[Any], meaning: Voxels) -> _Interpretation:
-    """Return voxels, `empty` and `full`, with labels replaced by the voxels of material."""
+    """Return voxels, `empty` and `full` after replacing labels by a mask of the material."""
     if meaning.labels is not None:
         return _take_labels(where, voxels, meaning.labels)
     plain = voxels, meaning.empty, meaning.full
@@ -197,7 +197,7 @@ def _interpret(where: str, voxels: NDArray[Any], meaning: Voxels) -> _Interpreta
 
 
 def _remark_on_background(whole: NDArray[Any]) -> list[Remark]:
-    """Return a remark where most voxels at the border of an image have a label other than 0."""
+    """Return a remark if most voxels at the border of an image have one label other than 0."""
     ends = [np.take(whole, end, axis=axis).ravel() for axis in range(3) for end in (0, -1)]
     values, counts = np.unique(np.concatenate(ends), return_counts=True)
     most = int(np.argmax(counts))
@@ -209,7 +209,7 @@ def _remark_on_background(whole: NDArray[Any]) -> list[Remark]:
 
 
 def _take_labels(where: str, voxels: NDArray[Any], wanted: Sequence[int]) -> _Interpretation:
-    """Return where the voxels have one of some labels."""
+    """Return the mask of the voxels with one of the wanted labels."""
     is_material = np.isin(voxels, wanted)
     missing = [label for label in wanted if not (voxels[is_material] == label).any()]
     if missing:
@@ -226,7 +226,7 @@ def _take_labels(where: str, voxels: NDArray[Any], wanted: Sequence[int]) -> _In
 
 
 def _remark_on_greys(values: NDArray[np.int64], counts: NDArray[np.int64]) -> list[Remark]:
-    """Return what is odd about whole numbers that are read as fractions of the largest one."""
+    """Return a remark on suspicious integers that are read as fractions of the largest one."""
     if len(values) < 3:
         return []
     greatest = int(values[-1])

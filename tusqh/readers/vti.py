@@ -1,4 +1,4 @@
-"""Read an image from a VTI file: its only array of single numbers, on cells or on points."""
+"""Read an image from the only scalar array of a VTI file, on cells or on points."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from tusqh.readers.voxels import Place, image_in_file
 from tusqh.readers.vtk_file import load_dataset
 from tusqh.settings.voxels import Voxels
 
-#: VTK's own array, which says which cells other parts of a dataset have too.
+#: VTK's own array, which marks the cells that other parts of a dataset also have.
 _GHOSTS = "vtkGhostType"
 
 
 def read(path: Path, *, meaning: Voxels) -> Reading:
-    """Read the voxels, their size and their place.
+    """Read the voxels, their size and their position.
 
-    Values of cells are voxels; values of points are voxels around these points.
+    Values of cells are voxels; each value of a point is a voxel around that point.
 
     Parameters
     ----------
     path
         The file.
     meaning
-        What the voxels mean.
+        The meaning of the voxels.
 
     Returns
     -------
@@ -37,8 +37,8 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
     Raises
     ------
     GeometryError
-        The file is cut off or damaged; it has no array of single numbers, or several; its axes are
-        turned; or the voxels are not cubes.
+        The file is cut off or damaged; it has no scalar array, or several; its axes are rotated; or
+        the voxels are not cubes.
     """
     image = load_dataset(path)
     if not isinstance(image, pyvista.ImageData):

@@ -1,4 +1,4 @@
-"""Read a surface from a VTK, VTU or VTP file; of a volume mesh its boundary."""
+"""Read a surface, or the boundary of a volume mesh, from a VTK, VTU or VTP file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Datasets of VTK files, checked before VTK reads them: it may crash over damaged ones."""
+"""Load datasets of VTK files after checking them, because VTK may crash on damaged files."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from tusqh.readers.logs import collect_logs
 from tusqh.readers.polygon_faces import damaged
 from tusqh.readers.vtk_legacy import check_legacy
 
-#: Numbers of things that a file in XML states, and bytes that each takes at least.
+#: Counts that a file in XML states, and the least number of bytes for each item.
 _NUMBERS = re.compile(rb"\b(NumberOf\w+)\s*=\s*[\"']([^\"']*)[\"']")
 _BYTES = {"NumberOfPoints": 12, "NumberOfCells": 16, "NumberOfPolys": 16, "NumberOfStrips": 16}
 #: First and last number of points along each axis of an image.
 _EXTENTS = re.compile(rb"\b(\w*Extent)\s*=\s*[\"']([^\"']*)[\"']")
-#: Bytes at the end of a file among which its last tag is.
+#: Number of bytes at the end of a file that contain its last tag.
 _TAIL = 4096
 _EXPECTED = "a complete VTK file"
 
@@ -43,7 +43,7 @@ def load_dataset(path: Path) -> Any:
     Raises
     ------
     GeometryError
-        The file is cut off or damaged, or states more than fits in memory.
+        The file is cut off or damaged, or its stated content does not fit in memory.
     """
     if path.suffix.lower() == ".vtk":
         check_legacy(path)
@@ -60,7 +60,7 @@ def load_dataset(path: Path) -> Any:
 
 
 def _check_xml(path: Path) -> None:
-    """Raise where a file is cut off, or has numbers of things that VTK cannot allocate."""
+    """Raise an error if a file is cut off, or states counts that VTK cannot allocate."""
     content = path.read_bytes()
     if b"</VTKFile>" not in content[-_TAIL:]:
         raise damaged(path, "the file ends before `</VTKFile>`", expected=_EXPECTED)
@@ -82,7 +82,7 @@ def _check_xml(path: Path) -> None:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep what VTK logs from standard error; the error that is raised says it."""
+    """Suppress VTK's log on standard error, because the raised error contains the message."""
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)
     try:
         yield

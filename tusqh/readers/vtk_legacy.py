@@ -1,6 +1,6 @@
-"""Check that a legacy VTK file is whole before VTK reads it.
+"""Check that a legacy VTK file is complete before VTK reads it.
 
-VTK reads a file that is cut off into memory that was never filled, and may crash the process.
+VTK uses uninitialized memory when it reads a truncated file, and may crash the process.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def check_legacy(path: Path) -> None:
 
 
 class _Walk:
-    """The bytes of a file that were not read yet."""
+    """The unread bytes of a file."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -77,7 +77,7 @@ class _Walk:
             )
 
     def section(self, words: list[str]) -> None:
-        """Walk the section with a certain first line."""
+        """Walk the section with the given first line."""
         keyword = words[0]
         if keyword in _NUMBERS_ON_THE_LINE:
             return
@@ -131,7 +131,7 @@ class _Walk:
         raise self.fault("the file ends within `metadata`")
 
     def cells(self, keyword: str, n: int, size: int) -> None:
-        """Walk cells, in the form of version 5 (offsets) or before (a count before each cell)."""
+        """Walk cells, in the form of version 5 (offsets) or earlier (a count before each cell)."""
         if (self.rest.lstrip()[:7].lower() == b"offsets") != self.has_offsets:
             raise self.fault(f"`{keyword}` is not written as the version of the file says")
         if self.has_offsets:
@@ -158,7 +158,7 @@ class _Walk:
         self.highest_corner = max(self.highest_corner, int(corners.max(initial=-1)))
 
     def take(self, n: int, kind: str, what: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-        """Walk some numbers, and return them."""
+        """Read and return some numbers."""
         if kind == "variant":
             raise self.fault(
                 f"`{what}` is an array of variants", remedy="leave it out, or save as .vtu"
@@ -180,30 +180,30 @@ class _Walk:
         return np.frombuffer(chosen, dtype=dtype).astype(np.float64)
 
     def strings(self, n: int, what: str) -> None:
-        """Walk some texts: lines, or in binary files each after its length."""
+        """Walk some texts, which are lines, or in binary files follow their lengths."""
         for k in range(n):
             if not self.rest:
                 raise self.fault(f"`{what}` promises {n} texts, the file holds {k}")
             if not self.is_binary:
                 self.line()
                 continue
-            n_bytes = (8, 4, 2, 1)[self.rest[0] >> 6]  # The first two bits say how many it takes.
+            n_bytes = (8, 4, 2, 1)[self.rest[0] >> 6]  # The first two bits encode this number.
             length = int.from_bytes(self.rest[:n_bytes], "big") & ((1 << (8 * n_bytes - 2)) - 1)
             self.require(what, n_bytes + length, len(self.rest), "bytes")
             self.rest = self.rest[n_bytes + length :]
 
     def require(self, what: str, wanted: int, found: int, unit: str = "numbers") -> None:
-        """Raise where the file is cut off."""
+        """Raise an error if the file is cut off."""
         if found < wanted:
             raise self.fault(f"`{what}` promises {wanted} {unit}, the file holds {found}")
 
     def line(self) -> str:
-        """Walk a line, and return it."""
+        """Read and return a line."""
         found, _, self.rest = self.rest.partition(b"\n")
         return found.decode(errors="replace")
 
     def fault(self, found: str, *, remedy: str = "") -> GeometryError:
-        """Return the error for something wrong."""
+        """Return the error for a fault of the file."""
         expected = "a complete VTK file"
         if remedy:
             return damaged(self.path, found, expected=expected, remedy=remedy)

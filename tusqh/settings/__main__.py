@@ -1,4 +1,4 @@
-"""`python -m tusqh.settings`: write the files that are made from the settings again."""
+"""`python -m tusqh.settings`: regenerate the files that follow from the settings."""
 
 from __future__ import annotations
 

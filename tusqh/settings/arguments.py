@@ -1,4 +1,4 @@
-"""The settings as arguments of `tusqh.mesh` and as options of the command line."""
+"""Convert settings to and from arguments of `tusqh.mesh` and options of the command line."""
 
 from __future__ import annotations
 
@@ -20,22 +20,23 @@ S = TypeVar("S", bound=Section)
 
 @dataclasses.dataclass(frozen=True)
 class Argument:
-    """A setting, or a section given as one value, as an argument or an option.
+    """A setting, or a section with a single value, as an argument or an option.
 
     Parameters
     ----------
     name
-        Its name as an identifier, such as ``min_cells``.
+        Name as an identifier, such as ``min_cells``.
     path
-        The keys that lead to it in a block of the configuration.
+        Keys that lead to the setting in a block of the configuration.
     attributes
-        The attributes that lead to it in the typed settings.
+        Attributes that lead to the setting in the typed settings.
     entry
         The field.
     title
-        Heading of its section.
+        Heading of the section.
     owner
-        What the setting is about where its own name does not say it, such as ``components``.
+        Name of the enclosing section if the setting's own name is ambiguous, such as
+        ``components``.
     """
 
     name: str
@@ -47,43 +48,43 @@ class Argument:
 
     @property
     def kind(self) -> Any:
-        """The type of its value, without None."""
+        """The type of the value, without None."""
         return inner_type(self.entry.hint)
 
     @property
     def is_section(self) -> bool:
-        """Whether a whole section is given as one value."""
+        """Whether the value is a whole section."""
         return _is_section(self.kind)
 
     @property
     def choices(self) -> tuple[str, ...]:
-        """The words that are allowed; empty where others than words are."""
+        """The allowed words; empty if the value is not one of a few words."""
         return get_args(self.kind) if get_origin(self.kind) is Literal else ()
 
     @property
     def is_flag(self) -> bool:
-        """Whether the option takes no value, since there is only one."""
+        """Whether the option takes no value, because only one value is possible."""
         return len(self.choices) == 1
 
     @property
     def option(self) -> str:
-        """Its name on the command line."""
+        """The name on the command line."""
         words = f"{self.choices[0]}_{self.name}" if self.is_flag else self.name
         return "--" + words.replace("_", "-")
 
     def value_in(self, settings: Section) -> Any:
-        """Return its value in typed settings.
+        """Return the value in typed settings.
 
         Parameters
         ----------
         settings
-            The section that the argument is in.
+            The section that contains the argument.
         """
         return functools.reduce(getattr, self.attributes, settings)
 
 
 def arguments_of(section: type[Section]) -> dict[str, Argument]:
-    """Return the arguments that `tusqh.mesh` has for a section, by name.
+    """Return the arguments of `tusqh.mesh` for a section, by name.
 
     Parameters
     ----------
@@ -101,7 +102,7 @@ def arguments_of(section: type[Section]) -> dict[str, Argument]:
 
 
 def options_of(section: type[Section]) -> list[Argument]:
-    """Return the options that the command line has for a section.
+    """Return the options of the command line for a section.
 
     Parameters
     ----------
@@ -118,19 +119,19 @@ def options_of(section: type[Section]) -> list[Argument]:
 
 
 def from_arguments(section: type[S], values: Mapping[str, Any]) -> S:
-    """Return the section that arguments of a Python call describe, checked.
+    """Return the checked section that arguments of a Python call describe.
 
     Parameters
     ----------
     section
         The section.
     values
-        The arguments by name; None where one is not given.
+        The arguments by name; None for those that are not given.
 
     Raises
     ------
     ConfigError
-        Naming the argument, what was found and what is allowed.
+        An argument is invalid; the message names it, the value found and the allowed values.
 
     Examples
     --------
@@ -153,20 +154,20 @@ def from_arguments(section: type[S], values: Mapping[str, Any]) -> S:
 
 
 def from_options(section: type[S], values: Mapping[str, str | bool | None]) -> S:
-    """Return the section that options of the command line describe, checked.
+    """Return the checked section that options of the command line describe.
 
     Parameters
     ----------
     section
         The section.
     values
-        The text of each option, by the names of `options_of`; None or False where one is not
+        The text of each option, by the names of `options_of`; None or False for those that are not
         given.
 
     Raises
     ------
     ConfigError
-        Naming the option, what was found and what is allowed.
+        An option is invalid; the message names it, the value found and the allowed values.
 
     Examples
     --------
@@ -193,7 +194,7 @@ def from_options(section: type[S], values: Mapping[str, str | bool | None]) -> S
 
 
 def to_words(settings: Section, *, without: tuple[str, ...] = ()) -> list[str]:
-    """Return the words of the command line for settings that are not the defaults.
+    """Return the words of the command line for settings that differ from the defaults.
 
     Parameters
     ----------
@@ -226,7 +227,7 @@ def to_words(settings: Section, *, without: tuple[str, ...] = ()) -> list[str]:
 
 
 def explains_unknown_arguments(function: Callable[P, R]) -> Callable[P, R]:
-    """Return a function that names the nearest argument when it is called with an unknown one.
+    """Decorate a function so that a call with an unknown argument names the nearest known one.
 
     Parameters
     ----------
@@ -236,7 +237,7 @@ def explains_unknown_arguments(function: Callable[P, R]) -> Callable[P, R]:
     Raises
     ------
     ConfigError
-        From the function, when an argument is unknown.
+        The returned function raises it if an argument is unknown.
     """
     names = [name for name in inspect.signature(function).parameters if name != "source"]
 
@@ -257,7 +258,7 @@ def _arguments(
     above: Argument | None = None,
     prefix: str = "",
 ) -> Iterator[Argument]:
-    """Yield the settings of a section, and of the sections within it that are opened."""
+    """Yield the settings of a section and of its opened subsections."""
     path, attributes = (above.path, above.attributes) if above else ((), ())
     for entry in entries_of(section):
         about = entry.setting
@@ -279,7 +280,7 @@ def _is_section(kind: Any) -> bool:
 
 
 def _read(convert: Callable[[Any], Any], value: Any, where: str) -> Any:
-    """Return a value converted to a mapping, or raise an error that says what is expected."""
+    """Convert a value to a mapping, or raise an error that states what is expected."""
     try:
         return convert(value)
     except ValueError as expected:
@@ -293,7 +294,7 @@ def _put(block: dict[str, Any], path: Path, value: Any) -> None:
 
 
 def _locate_by(names: Mapping[Path, str]) -> Locate:
-    """Return a function that says as which option or argument the value at a path was given."""
+    """Return a function that names the option or argument of the value at a path."""
 
     def locate(path: Path) -> str:
         for k in range(len(path), 0, -1):

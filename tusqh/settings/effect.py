@@ -1,4 +1,4 @@
-"""Settings without an effect, by what their fields say they apply to."""
+"""Find settings without an effect, from the kinds and needs that their fields state."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _PLURALS = {
 
 
 def find_without_effect(settings: Section, kind: str) -> Iterator[str]:
-    """Yield each setting that is not the default and has no effect, with what it applies to.
+    """Yield a sentence for each non-default setting that has no effect.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def find_without_effect(settings: Section, kind: str) -> Iterator[str]:
 
 
 def _find(settings: Section, kind: str, *, prefix: str, kinds: tuple[str, ...]) -> Iterator[str]:
-    """Yield the settings without an effect in a section that applies to some kinds."""
+    """Yield the settings without an effect in a section that applies to the given kinds."""
     for entry in entries_of(type(settings)):
         about, value = entry.setting, getattr(settings, entry.name)
         name, applies_to = prefix + entry.name, about.kinds or kinds

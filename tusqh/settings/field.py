@@ -1,4 +1,4 @@
-"""A field of the settings: a dataclass field that carries its sentence, range and unit."""
+"""Fields of the settings: dataclass fields with a description, a range and a unit."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Setting:
     unit
         Unit of its value; empty for dimensionless values and words.
     otherwise
-        What applies where None is the default: a value, or words for the documentation.
+        What applies if the default is None: a value, or words for the documentation.
     limits
         Range of its numbers, as keywords of JSON schema.
     n_items
@@ -36,17 +36,17 @@ class Setting:
     extra
         Further keywords of JSON schema.
     is_inline
-        Whether the keys of this section are on the level of its neighbours, not below a key.
+        Whether the keys of this section are on the level of its neighbours, not below its own key.
     is_spread
-        Whether the fields of this section are arguments of `tusqh.mesh` by their own names.
+        Whether the fields of this section are separate arguments of `tusqh.mesh`.
     argument
-        Name of a whole section as one option and one argument, such as ``betti``.
+        Name of the option and argument for a whole section, such as ``betti``.
     prefix
-        What the options of this section start with on the command line.
+        Prefix of this section's options on the command line.
     metavar
         Placeholder for the value in the help of the command line.
     kinds
-        Kinds of geometry for which it has an effect, "outline", "surface" or "image"; empty: all.
+        Kinds of geometry ("outline", "surface", "image") for which it has an effect; empty: all.
     needs
         Values of neighbours without which it has no effect.
     """
@@ -69,18 +69,18 @@ class Setting:
 
 @dataclasses.dataclass(frozen=True)
 class Entry:
-    """A field of a section, ready to be turned into a schema, a row or an option.
+    """A field of a section, from which a schema, a table row or an option can be made.
 
     Parameters
     ----------
     name
         Name of the field, and of the key.
     hint
-        Its type.
+        Type of the field.
     default
-        Its default; `dataclasses.MISSING` where the setting is required.
+        Default; `dataclasses.MISSING` if the setting is required.
     setting
-        What else is known about it.
+        Further properties.
     """
 
     name: str
@@ -95,9 +95,9 @@ def setting(sentence: str, *, default: Any = dataclasses.MISSING, **about: Any) 
     Parameters
     ----------
     sentence
-        What the setting means.
+        Meaning of the setting.
     default
-        The default; a class means an instance of it.  Without one the setting is required.
+        The default; a class stands for its instance.  Without a default the setting is required.
     **about
         `above`, `at_least`, `at_most` and `multiple_of` limit numbers; the others are parameters
         of `Setting`.

@@ -1,4 +1,4 @@
-"""How the threshold is chosen."""
+"""The goal: how the threshold is chosen."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tusqh.settings.validate import Path
 
 @dataclass(frozen=True)
 class Range(Section):
-    """Numbers from a smallest to a largest one, both included."""
+    """A range of numbers, including both ends."""
 
     min: int | None = setting("Smallest number.", default=None, otherwise="any", at_least=0)
     max: int | None = setting("Largest number.", default=None, otherwise="any", at_least=0)
@@ -30,7 +30,7 @@ Wanted = int | tuple[int, ...] | Range
 
 @dataclass(frozen=True)
 class Target(Section):
-    """The Betti numbers that a mesh must have; those left out may have any value.
+    """The Betti numbers that a mesh must have; omitted numbers may have any value.
 
     Examples
     --------
@@ -72,7 +72,7 @@ class Target(Section):
         Raises
         ------
         ValueError
-            It is something else; the message says what is expected.
+            The value is of another kind; the message states what is expected.
 
         Examples
         --------
@@ -92,7 +92,7 @@ class Target(Section):
         Parameters
         ----------
         text
-            Numbers and ranges, with commas between them.
+            Numbers and ranges, separated by commas.
 
         Examples
         --------
@@ -108,7 +108,7 @@ class Target(Section):
 
 @dataclass(frozen=True)
 class Goal(Section):
-    """How the threshold is chosen: one of these; `volume` also with `target` or `persistence`.
+    """The goal: one of these fields, or `volume` together with `target` or `persistence`.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Where the background grid is, and how fine."""
+"""The position and resolution of the background grid."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Grid(Section):
 
 @dataclass(frozen=True)
 class Window(Section):
-    """The box to mesh in; beyond it there is no material.
+    """The box in which to mesh; there is no material outside it.
 
     Examples
     --------
@@ -94,7 +94,7 @@ class Window(Section):
         Raises
         ------
         ValueError
-            It is something else; the message says what is expected.
+            The value is of another kind; the message states what is expected.
 
         Examples
         --------
@@ -116,12 +116,12 @@ class Window(Section):
         Parameters
         ----------
         text
-            Coordinates of the lowest and of the highest corner, with commas between them.
+            Coordinates of the lowest and of the highest corner, separated by commas.
 
         Raises
         ------
         ValueError
-            It is something else; the message says what is expected.
+            The value is of another kind; the message states what is expected.
 
         Examples
         --------

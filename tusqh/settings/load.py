@@ -1,4 +1,4 @@
-"""Reading the configuration of the workflow from YAML files and Snakemake's command line."""
+"""Read the configuration of the workflow from YAML files and Snakemake's command line."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tusqh.settings.schema import schema_of
 from tusqh.settings.validate import Locate, from_text, refuse
 from tusqh.settings.validate import Path as Keys
 
-#: What Snakemake's option for single values is called in messages.
+#: Name, in messages, of Snakemake's option for single values.
 COMMAND_LINE = "--config"
 
 _MISSING = object()
@@ -90,14 +90,15 @@ def load_config(
     paths
         The configuration files that Snakemake merged.
     merged
-        The configuration as Snakemake merged it from the files and its command line.
+        The configuration that Snakemake merged from the files and its command line.
     given
-        The part of it from the option ``--config``, whose numbers are text.
+        The part from the option ``--config``, in which numbers are text.
 
     Raises
     ------
     ConfigError
-        Naming file or ``--config``, key, what was found, what is allowed and the nearest key.
+        The configuration is invalid; the message names the file or ``--config``, the key, the value
+        found, the allowed values and the nearest key.
     """
     schema = schema_of(Workflow)
     files = {_show(path): read_yaml(path) for path in paths}
@@ -134,14 +135,14 @@ def _value_at(content: Any, keys: Keys) -> Any:
 
 
 def _to_dict(value: Any) -> Any:
-    """Return mappings of any kind as dictionaries whose keys are text."""
+    """Convert mappings of any kind to dictionaries with text keys."""
     if isinstance(value, Mapping):
         return {str(key): _to_dict(inner) for key, inner in value.items()}
     return [_to_dict(inner) for inner in value] if isinstance(value, (list, tuple)) else value
 
 
 def _overlay(below: dict[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
-    """Put one configuration over another, key by key."""
+    """Override one configuration by another, key by key."""
     for key, value in above.items():
         if isinstance(value, Mapping) and isinstance(below.get(key), dict):
             _overlay(below[key], value)
@@ -151,7 +152,7 @@ def _overlay(below: dict[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _require_values(content: Any, locate: Locate, keys: Keys = ()) -> None:
-    """Raise for a key that has no value."""
+    """Raise an error for a key without a value."""
     if content is None:
         raise refuse(locate(keys), "no value is given", "a value", "add one, or remove the key")
     entries: Any = ()
@@ -164,7 +165,7 @@ def _require_values(content: Any, locate: Locate, keys: Keys = ()) -> None:
 
 
 def _require_distinct_names(models: Mapping[str, Any], locate: Locate) -> None:
-    """Raise when two model names differ in case only: one folder on many file systems."""
+    """Raise an error if model names differ only in case, which many file systems ignore."""
     seen: dict[str, str] = {}
     for name in models:
         other = seen.setdefault(name.lower(), name)
@@ -178,6 +179,6 @@ def _require_distinct_names(models: Mapping[str, Any], locate: Locate) -> None:
 
 
 def _show(path: Path) -> str:
-    """Return a path, relative to the working folder where it is below that."""
+    """Return a path, relative to the working folder if it is inside that folder."""
     folder = Path.cwd()
     return str(path.relative_to(folder) if path.is_relative_to(folder) else path)

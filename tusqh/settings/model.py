@@ -1,4 +1,4 @@
-"""The settings put together: of a mesh, of a model, and of the whole workflow."""
+"""The combined settings of a mesh, of a model, and of the whole workflow."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tusqh.settings.voxels import Voxels
 
 @dataclass(frozen=True)
 class Settings(Section):
-    """Every setting that determines the mesh of a geometry: what `tusqh.mesh` takes.
+    """Every setting that determines the mesh of a geometry, as taken by `tusqh.mesh`.
 
     Examples
     --------
@@ -89,7 +89,7 @@ class Model(Section):
 
 @dataclass(frozen=True)
 class Study(Section):
-    """How much the studies of the models do."""
+    """The extent of the studies of the models."""
 
     placements: int = setting(
         "Random orientations and offsets of every model.", default=50, at_least=2

@@ -1,4 +1,4 @@
-"""What to do about pinches, archipelagos and small features."""
+"""The treatment of pinches, archipelagos and small features."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ BridgeMode = Literal["forest", "all", "none"]
 
 @dataclass(frozen=True)
 class Criteria(Section):
-    """What a feature (a component, a hole, a void) must meet to stay: all of these."""
+    """The criteria, all of which a feature (component, hole or void) must meet to stay."""
 
     title: ClassVar[str] = "Pinches and features"
 
@@ -43,7 +43,7 @@ class Criteria(Section):
 
     @property
     def needs_persistence(self) -> bool:
-        """Whether the persistence of features decides."""
+        """Whether the criteria depend on the persistence of features."""
         return self.min_persistence > 0 or self.keep is not None
 
     @property

@@ -1,4 +1,4 @@
-"""What a mesh must keep to be suitable without a warning."""
+"""The conditions under which a mesh is suitable without a warning."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tusqh.settings.section import Section
 
 @dataclass(frozen=True)
 class Quality(Section):
-    """How far a mesh may be from its geometry."""
+    """How much a mesh may differ from its geometry."""
 
     title: ClassVar[str] = "Quality"
 

@@ -1,4 +1,4 @@
-"""How volume fractions are sampled."""
+"""The sampling of volume fractions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Sampler = Literal["crossings", "libigl"]
 
 @dataclass(frozen=True)
 class Sampling(Section):
-    """How the volume fractions of a geometry are sampled on a grid."""
+    """The settings with which the volume fractions of a geometry are sampled on a grid."""
 
     title: ClassVar[str] = "Sampling"
 

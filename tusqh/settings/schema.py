@@ -1,4 +1,4 @@
-"""The JSON schema of a section, made from its fields."""
+"""Make the JSON schema of a section from its fields."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def _object(section: type, definitions: dict[str, Schema]) -> Schema:
 
 
 def _rules(alternatives: tuple[str, ...], combinable: tuple[tuple[str, str], ...]) -> list[Schema]:
-    """Return rules that reject two of these keys together, unless they can be combined."""
+    """Return rules that reject pairs of these keys unless they can be combined."""
     refused = (pair for pair in combinations(alternatives, 2) if pair not in combinable)
     return [{"not": {"required": list(pair)}} for pair in refused]
 

@@ -1,4 +1,4 @@
-"""The base of every section: from plain values to a frozen dataclass, checked, and back."""
+"""The base class of sections, which converts checked plain values to a frozen dataclass and back."""
 
 from __future__ import annotations
 
@@ -15,32 +15,32 @@ from tusqh.settings.validate import Locate, Path, refuse, to_declared_types, val
 
 @dataclasses.dataclass(frozen=True)
 class Section:
-    """Settings that belong together.  Subclasses are frozen dataclasses of `setting` fields."""
+    """A group of settings.  Subclasses are frozen dataclasses of `setting` fields."""
 
     #: Heading of the options on the command line.
     title: ClassVar[str] = ""
-    #: Fields of which at most one is given; the first one's `otherwise` applies without any.
+    #: Fields of which at most one may be given; without any, the first one's `otherwise` applies.
     alternatives: ClassVar[tuple[str, ...]] = ()
     #: Pairs of alternatives that may be given together.
     combinable: ClassVar[tuple[tuple[str, str], ...]] = ()
 
     def __post_init__(self) -> None:
-        """Fill in the first alternative where none is given."""
+        """Fill in the first alternative if none is given."""
         if self.alternatives and all(getattr(self, name) is None for name in self.alternatives):
             first = next(e for e in entries_of(type(self)) if e.name == self.alternatives[0])
             object.__setattr__(self, first.name, first.setting.otherwise)
 
     @classmethod
     def from_dict(cls, values: Mapping[str, Any], *, locate: Locate | None = None) -> Self:
-        """Return the section that plain values describe, checked.
+        """Return the checked section that plain values describe.
 
         Parameters
         ----------
         values
-            A value for each key, as in the configuration.  Keys that are left out, or None, have
+            A value for each key, as in the configuration.  Keys that are omitted, or None, get
             their defaults.
         locate
-            Says where the value at a path of keys was given, for messages.
+            Function that names the source of the value at a path of keys, for messages.
 
         Raises
         ------
@@ -64,7 +64,7 @@ class Section:
         Parameters
         ----------
         defaults
-            Whether values that are defaults are included.
+            Whether default values are included.
         """
         plain: dict[str, Any] = {}
         for entry in entries_of(type(self)):
@@ -81,7 +81,7 @@ class Section:
         return plain
 
     def find_contradictions(self) -> Iterator[tuple[Path, str, str]]:
-        """Yield pairs of values that contradict each other: path, found, expected."""
+        """Yield the path, finding and expectation for values that contradict each other."""
         for entry in entries_of(type(self)):
             value = getattr(self, entry.name)
             within: Mapping[Any, Any] = value if isinstance(value, Mapping) else {None: value}
@@ -93,7 +93,7 @@ class Section:
 
 
 def to_plain(value: Any) -> Any:
-    """Return a value made of dictionaries, lists and Python's numbers, without keys that are None.
+    """Return a value as dictionaries, lists and Python numbers, without keys that are None.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def to_plain(value: Any) -> Any:
 
 
 def _build(hint: Any, value: Any) -> Any:
-    """Return a valid plain value as the type of its field."""
+    """Convert a valid plain value to the type of its field."""
     if get_origin(hint) in (Union, UnionType):
         return _build(_alternative(hint, value), value)
     if get_origin(hint) is tuple:
@@ -140,7 +140,7 @@ def _build(hint: Any, value: Any) -> Any:
 
 
 def _alternative(hint: Any, value: Any) -> Any:
-    """Return the type among those of a union that a valid value has."""
+    """Return the member of a union that matches a valid value."""
     for choice in get_args(hint):
         kind = get_origin(choice) or choice
         is_section = dataclasses.is_dataclass(choice)

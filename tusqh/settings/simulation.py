@@ -1,4 +1,4 @@
-"""What is released into a mesh, and how it spreads."""
+"""The settings of the simulation: what is released into a mesh, and how it spreads."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from tusqh.settings.field import setting
 from tusqh.settings.section import Section
 
-#: Diffusivity by dimension where none is given, m^2/s: a contaminant in turbulent water, and heat
-#: in steel.
+#: Default diffusivity by dimension, in m^2/s: a contaminant in turbulent water, and heat in steel.
 DIFFUSIVITY = {2: 1.0, 3: 1e-5}
 
 
@@ -16,8 +15,8 @@ DIFFUSIVITY = {2: 1.0, 3: 1e-5}
 class Simulation(Section):
     """The release of a contaminant (in 3D, of heat) at a point, and its diffusion.
 
-    Lengths are in the model's unit, everything else is in SI units.  For a model whose unit is not
-    in `tusqh.simulate.units.METRES` read that unit for every metre.
+    Lengths are in the model's unit, everything else is in SI units.  If the model's unit is not in
+    `tusqh.simulate.units.METRES`, it replaces every metre.
     """
 
     source: tuple[float, ...] | None = setting(

@@ -1,4 +1,4 @@
-"""The files that are made from the settings: the JSON schema in YAML, and tables in Markdown."""
+"""Generate files from the settings: the JSON schema in YAML, and tables in Markdown."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _HEAD = """\
 
 
 def write_all(root: Path) -> list[Path]:
-    """Write the files that are made from the settings.
+    """Write the files that are generated from the settings.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def write_all(root: Path) -> list[Path]:
 
 
 def render_all(root: Path) -> dict[Path, str]:
-    """Return the text of each file that is made from the settings.
+    """Return the text of each file that is generated from the settings.
 
     Parameters
     ----------
@@ -87,9 +87,9 @@ def render_schema(section: type[Section]) -> str:
 
 
 def fill_tables(guide: str) -> str:
-    """Return a guide in Markdown with the tables between its markers made again.
+    """Return a guide in Markdown after regenerating the tables between its markers.
 
-    A table is between ``<!-- settings: NAME -->`` and ``<!-- end -->``.
+    A table lies between ``<!-- settings: NAME -->`` and ``<!-- end -->``.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def to_table(section: type[Section]) -> str:
 
 
 def _keys_of(section: type) -> list[Entry]:
-    """Return the fields of a section with those of the sections on the same level."""
+    """Return the fields of a section, including those of its inline sections."""
     entries = []
     for entry in entries_of(section):
         entries += _keys_of(entry.hint) if entry.setting.is_inline else [entry]
@@ -175,10 +175,10 @@ def _allowed_in_words(schema: dict[str, Any], definitions: dict[str, Any]) -> st
 
 
 class _Plain(yaml.SafeDumper):
-    """YAML without anchors, with short lists on one line."""
+    """A YAML dumper without anchors that writes short lists on one line."""
 
     def ignore_aliases(self, data: Any) -> bool:
-        """Return whether a value is written in full each time: always."""
+        """Return True, so that a value is always written in full."""
         return True
 
 

@@ -1,4 +1,4 @@
-"""Checking plain values against a JSON schema, with messages a user can act on."""
+"""Check plain values against a JSON schema, with messages that a user can act on."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 #: Keys from the top level down to a value.
 Path = tuple[str | int, ...]
-#: Says where the value at a path was given: in which file, as which option or argument.
+#: Function that names the source of the value at a path: its file, option or argument.
 Locate = Callable[[Path], str]
 Mapping = dict[str, Any]
 
@@ -24,7 +24,7 @@ _HELP = "correct it; config/README.md explains every key"
 
 
 def validate(values: Any, schema: Mapping, *, locate: Locate) -> None:
-    """Raise a `ConfigError` for the first thing that a schema does not allow.
+    """Raise a `ConfigError` for the first violation of a schema.
 
     Parameters
     ----------
@@ -33,14 +33,15 @@ def validate(values: Any, schema: Mapping, *, locate: Locate) -> None:
     schema
         A JSON schema.
     locate
-        Says where the value at a path was given.
+        Function that names the source of the value at a path.
 
     Raises
     ------
     ConfigError
-        Naming file or option, what was found, what is allowed and the nearest name.
+        A value is invalid; the message names the file or option, the value found, the allowed
+        values and the nearest name.
     """
-    # An unknown key comes first: a misspelt key is often a missing one, too.
+    # Report an unknown key first, because a misspelt key is often also a missing one.
     errors = sorted(
         _validator()(schema).iter_errors(values),
         key=lambda e: (e.validator != "additionalProperties", [str(p) for p in e.absolute_path]),
@@ -48,29 +49,29 @@ def validate(values: Any, schema: Mapping, *, locate: Locate) -> None:
     if not errors:
         return
     error = errors[0]
-    # Of several alternatives the one whose kind the value has explains more than all together.
+    # Among several alternatives, the one that matches the value's kind gives the best message.
     closer = [e for e in error.context or () if e.validator not in ("type", "enum") or e.path]
     closer.sort(key=lambda e: -len(e.absolute_path))
     raise _explain(closer[0] if closer else error, schema.get("$defs", {}), locate)
 
 
 def refuse(where: str, found: str, expected: str, remedy: str = _HELP) -> ConfigError:
-    """Return the error for a setting, the same for every way to give it.
+    """Return the error for an invalid setting, regardless of how it was given.
 
     Parameters
     ----------
     where
         The file and key, the option, or the argument.
     found, expected
-        What was given, and what is allowed.
+        The given value, and the allowed values.
     remedy
-        What to do next.
+        The remedy.
     """
     return ConfigError(found, where=where, expected=expected, remedy=remedy)
 
 
 def refuse_unknown(where: str, name: str, allowed: list[str], *, kind: str = "key") -> ConfigError:
-    """Return the error for a name that does not exist, with the nearest one that does.
+    """Return the error for an unknown name, with the nearest existing name.
 
     Parameters
     ----------
@@ -81,7 +82,7 @@ def refuse_unknown(where: str, name: str, allowed: list[str], *, kind: str = "ke
     allowed
         The names that exist.
     kind
-        What kind of name it is.
+        Kind of the name.
 
     Examples
     --------
@@ -97,7 +98,7 @@ def refuse_unknown(where: str, name: str, allowed: list[str], *, kind: str = "ke
 
 @cache
 def _validator() -> Any:
-    """Return a validator for which only finite numbers are numbers."""
+    """Return a validator that accepts only finite numbers as numbers."""
     import jsonschema
 
     def is_number(_: Any, value: Any) -> bool:
@@ -112,7 +113,7 @@ def _validator() -> Any:
 def _explain(
     error: jsonschema.ValidationError, definitions: Mapping, locate: Locate
 ) -> ConfigError:
-    """Return the message for one violation of a schema."""
+    """Return the error for one violation of a schema."""
     schema: Mapping = error.schema if isinstance(error.schema, dict) else {}
     path: Path = tuple(error.absolute_path)
     value: Any = error.instance
@@ -149,14 +150,14 @@ def _explain(
 
 
 def describe_rule(schema: Mapping, definitions: Mapping) -> str:
-    """Return in words which values a schema allows.
+    """Return a description of the values that a schema allows.
 
     Parameters
     ----------
     schema
         A JSON schema.
     definitions
-        What its references name, from ``$defs``.
+        Targets of its references, from ``$defs``.
 
     Examples
     --------
@@ -187,7 +188,7 @@ def describe_rule(schema: Mapping, definitions: Mapping) -> str:
 
 
 def _count(schema: Mapping) -> str:
-    """Return how many entries a list may have, in words."""
+    """Return the allowed number of entries of a list, in words."""
     lowest, highest = schema.get("minItems", 0), schema.get("maxItems")
     entries = "different entries" if schema.get("uniqueItems") else "entries"
     if highest is None:
@@ -196,7 +197,7 @@ def _count(schema: Mapping) -> str:
 
 
 def to_declared_types(value: Any, schema: Mapping, definitions: Mapping) -> Any:
-    """Return a value with the number types of its schema, so that 1 and 1.0 are recorded equally.
+    """Convert numbers to the types of their schema, so that 1 and 1.0 are recorded equally.
 
     Parameters
     ----------
@@ -205,16 +206,16 @@ def to_declared_types(value: Any, schema: Mapping, definitions: Mapping) -> Any:
     schema
         Its JSON schema.
     definitions
-        What references name, from ``$defs``.
+        Targets of references, from ``$defs``.
     """
     return _convert(value, schema, definitions, is_text=False)
 
 
 def from_text(value: Any, schema: Mapping, definitions: Mapping) -> Any:
-    """Return a value in which numbers given as text are numbers, where its schema wants numbers.
+    """Convert text to numbers where the schema of a value requires numbers.
 
-    Text with commas becomes a list where a list is allowed, and any text where only a list is;
-    text that cannot be converted stays.
+    Text with commas becomes a list if a list is allowed, and any text becomes a list if only a list
+    is allowed; text that cannot be converted does not change.
 
     Parameters
     ----------
@@ -223,7 +224,7 @@ def from_text(value: Any, schema: Mapping, definitions: Mapping) -> Any:
     schema
         Its JSON schema.
     definitions
-        What references name, from ``$defs``.
+        Targets of references, from ``$defs``.
 
     Examples
     --------
@@ -273,14 +274,14 @@ def _number(text: str, kind: Any) -> Any:
 
 
 def resolved(schema: Mapping, definitions: Mapping) -> Mapping:
-    """Return a schema with its reference to a definition filled in.
+    """Return a schema after resolving its reference to a definition.
 
     Parameters
     ----------
     schema
         A JSON schema.
     definitions
-        What references name, from ``$defs``.
+        Targets of references, from ``$defs``.
     """
     if "$ref" not in schema:
         return schema

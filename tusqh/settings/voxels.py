@@ -1,4 +1,4 @@
-"""What the voxels of an image mean."""
+"""The meaning of an image's voxels."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Diffusion on the finished mesh with MFEM."""
+"""Simulate diffusion on the finished mesh with MFEM."""

@@ -1,4 +1,4 @@
-"""The components of the matrix that MFEM assembles."""
+"""Count the components of the matrix that MFEM assembles."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from tusqh.simulate.operators import assemble
 def count_matrix_components(mesh: VolumeMesh) -> int:
     """Return the number of components that MFEM's stiffness matrix couples.
 
-    Two unknowns belong to one component if a chain of nonzero entries connects them.  On a
-    conforming mesh this is the number of components of the mesh, and of zero eigenvalues of the
-    Neumann problem; here it tests that MFEM reads the mesh's connectivity as intended.
+    Two unknowns belong to the same component if a chain of nonzero entries connects them.  On a
+    conforming mesh this number equals the number of components of the mesh and the number of zero
+    eigenvalues of the Neumann problem; it tests that MFEM reads the mesh's connectivity correctly.
 
     Parameters
     ----------

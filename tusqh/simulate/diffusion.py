@@ -1,10 +1,10 @@
-"""Transient diffusion with no flux through the boundary: a contaminant in 2D, heat in 3D.
+"""Simulate transient diffusion without boundary flux, of a contaminant in 2D or heat in 3D.
 
-``dc/dt = div(D grad c)`` with H1 elements and implicit Euler: ``(M + dt D K) c_new = M c_old``.
-At order 1 the mass matrix is lumped (row sums), which keeps the second order of the elements and
-lets the scheme inherit the maximum principle wherever the stiffness matrix has no positive
-entries off its diagonal: true of the square cells, not of every trapezoid, so the undershoot is
-measured and reported.
+The equation ``dc/dt = div(D grad c)`` is discretized with H1 elements and implicit Euler:
+``(M + dt D K) c_new = M c_old``.  At order 1 the mass matrix is lumped (row sums).  This keeps the
+second order of the elements, and the scheme satisfies the maximum principle wherever the stiffness
+matrix has no positive off-diagonal entries.  This holds for square cells but not for every
+trapezoid, so the undershoot is measured and reported.
 
 The mesh is in the model's unit of length.  It is converted to SI units once, in
 `simulate_diffusion`, by scaling the matrices; see `tusqh.simulate.units`.
@@ -46,15 +46,15 @@ class DiffusionResult:
     Parameters
     ----------
     points, cells
-        The mesh the fields live on, after refinement; points in the model's unit.
+        The mesh of the fields, after refinement; points in the model's unit.
     fields
         Concentration at the points, shape (n_snapshots, n_points), in kg/m^2; in 3D the density
-        of heat (temperature times volumetric heat capacity), in J/m^3.  For a model without a
-        known unit read its unit for m.
+        of heat (temperature times volumetric heat capacity), in J/m^3.  If the size of the model's
+        unit is unknown, that unit replaces m.
     table
         One row per snapshot: step, time_s, amount, amount_unit (kg or J), amount_relative_error,
-        concentration_min, concentration_max, concentration_unit, undershoot (largest negative
-        value over the initial maximum).
+        concentration_min, concentration_max, concentration_unit, undershoot (ratio of the largest
+        negative value to the initial maximum).
     """
 
     points: FloatArray
@@ -78,7 +78,7 @@ def simulate_diffusion(
     mesh
         The mesh, in the model's unit.
     simulation
-        What is released, where, and how it spreads; None: the defaults.
+        What is released, where, and how it spreads; None: with the defaults.
     unit
         The model's unit of length, see `tusqh.simulate.units.METRES`.
     steps
@@ -148,10 +148,10 @@ def march(
     steps: Sequence[int],
     progress: Report | None = None,
 ) -> FloatArray:
-    """Return the fields at some steps of implicit Euler.
+    """Return the fields at given steps of implicit Euler.
 
-    In 2D the matrix is factorised once; in 3D, where the factors would fill the memory, every step
-    is solved by conjugate gradients.
+    In 2D the matrix is factorised once.  In 3D the factors would fill the memory, so conjugate
+    gradients solve every step.
 
     Parameters
     ----------
@@ -162,9 +162,9 @@ def march(
     initial
         The field at step 0, shape (n_dofs,).
     diffusivity
-        In the unit of length of the operators, squared, per second.
+        Diffusivity, in the squared unit of length of the operators per second.
     time_step
-        In s.
+        Time step, in s.
     steps
         Steps whose fields are returned, ascending.
     progress
@@ -243,7 +243,7 @@ def _tabulate(
 
 
 def _require_conservation(table: pd.DataFrame, name: str) -> None:
-    """Raise unless every snapshot holds the released amount."""
+    """Raise an error unless every snapshot holds the released amount."""
     worst = float(table["amount_relative_error"].abs().max())
     if not worst <= AMOUNT_TOLERANCE:
         raise SimulationError(
@@ -255,7 +255,7 @@ def _require_conservation(table: pd.DataFrame, name: str) -> None:
 
 
 def _check_numbers(name: str, simulation: Simulation, steps: Sequence[int]) -> int:
-    """Raise for numbers out of range; return the last step."""
+    """Raise an error for numbers out of range, and return the last step."""
     numbers = {
         "amount": simulation.amount,
         "diffusivity": simulation.diffusivity,

@@ -1,4 +1,4 @@
-"""Mass and stiffness matrices of H1 elements, assembled by MFEM."""
+"""Assemble the mass and stiffness matrices of H1 elements with MFEM."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def assemble(mesh: VolumeMesh, *, refinements: int = 0, order: int = 1) -> Opera
     Parameters
     ----------
     mesh
-        The mesh; checked first.
+        The mesh, which is checked first.
     refinements
         Uniform refinements before the assembly.
     order

@@ -1,4 +1,4 @@
-"""The initial field: an amount released around a point of the mesh."""
+"""Make the initial field, an amount released around a point of the mesh."""
 
 from __future__ import annotations
 
@@ -58,14 +58,14 @@ def release(
 
 
 def _component_of(operators: Operators, place: FloatArray) -> FloatArray:
-    """Return 1 at the nodes of the component that holds a place, 0 elsewhere."""
+    """Return 1 at the nodes of the component that contains a place, 0 elsewhere."""
     _, labels = connected_components(operators.stiffness, directed=False)
     nearest = int(((operators.nodes - place) ** 2).sum(axis=1).argmin())
     return np.asarray(labels == labels[nearest], dtype=np.float64)
 
 
 def _require_inside(mesh: VolumeMesh, place: FloatArray) -> None:
-    """Raise unless a place lies on the inner side of all facets of some element."""
+    """Raise an error unless a place lies on the inner side of all facets of an element."""
     corners = mesh.points[mesh.cells]
     if mesh.dim == 2:
         sides = np.roll(corners, -1, axis=1) - corners

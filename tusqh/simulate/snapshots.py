@@ -1,4 +1,4 @@
-"""Snapshots as VTU files with a PVD collection that ParaView plays in time."""
+"""Write and read snapshots as VTU files, with a PVD collection that ParaView animates."""
 
 from __future__ import annotations
 

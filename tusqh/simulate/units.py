@@ -1,7 +1,7 @@
 """Units of length and the units of simulated quantities.
 
-Geometry is in the unit that its model declares; a simulation is in SI units.  A unit that is not
-listed here has no known size, so such a model is simulated and labelled in its own unit.
+Geometry is in the unit that its model declares; a simulation is in SI units.  The size of a unit
+that is not listed here is unknown, so such a model is simulated and labelled in its own unit.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def simulated_length(unit: str) -> tuple[float, str]:
     factor : float
         A length in the model's unit times this factor is a length in the simulation's unit.
     simulated : str
-        ``"m"`` where the size of the model's unit is known, the model's unit otherwise.
+        ``"m"`` if the size of the model's unit is known, otherwise the model's unit.
 
     Examples
     --------
@@ -58,7 +58,7 @@ def amount_unit(dim: int) -> str:
 
 
 def concentration_unit(dim: int, unit: str) -> str:
-    """Return the unit of the simulated field for a model in a unit of length.
+    """Return the unit of the simulated field for a model's unit of length.
 
     Parameters
     ----------

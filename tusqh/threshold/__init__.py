@@ -1,1 +1,1 @@
-"""Plateaus of constant cell set and the choice of a threshold among them."""
+"""Find the plateaus with a constant cell set, and choose a threshold among them."""

@@ -1,4 +1,4 @@
-"""The threshold that shows only features that live over a range of thresholds."""
+"""Choose the threshold at which only persistent features are present."""
 
 from __future__ import annotations
 
@@ -23,27 +23,27 @@ from tusqh.threshold.selection import Selection
 from tusqh.threshold.within_interval import describe_place
 from tusqh.topology.persistence import count_alive
 
-#: At most this many thresholds are meshed to remove and fill short-lived features.
+#: Largest number of thresholds that are meshed to remove and fill short-lived features.
 REMOVAL_TRIALS = 10
 
 
 def choose_by_persistence(
     plateaus: Plateaus, persistence: float, *, matches_volume: bool = False, name: str
 ) -> tuple[Selection, pd.DataFrame]:
-    """Return a threshold at which only long-lived features are left.
+    """Return a threshold at which only long-lived features remain.
 
-    A threshold at which no others live is taken where there is one; else exactly the others are
-    removed and filled, where they are fewest.
+    If there is a threshold without short-lived features, it is chosen; otherwise exactly the
+    short-lived features are removed and filled, at the threshold where they are fewest.
 
     Parameters
     ----------
     plateaus
         The plateaus of the threshold.
     persistence
-        Smallest range of thresholds over which a feature must live.
+        Smallest persistence that a feature must have.
     matches_volume
-        Take, of all thresholds at which no others live, the one whose mesh has the volume nearest
-        to that of the geometry.
+        Whether to choose, among all thresholds without short-lived features, the one whose mesh has
+        the volume nearest to that of the geometry.
     name
         The model, for messages.
 
@@ -55,8 +55,8 @@ def choose_by_persistence(
     Raises
     ------
     TopologyError
-        Neither does it, the grid is too large to know the persistence of holes, or the volume is
-        to be matched and no threshold does it.
+        Neither way succeeds, the grid is too large to know the persistence of holes, or the volume
+        is to be matched and no threshold alone suffices.
     """
     topology = plateaus.cell_sets.topology
     if 1 not in topology.dimensions:
@@ -85,7 +85,7 @@ def choose_by_persistence(
 def _without_short_features(
     plateaus: Plateaus, is_free: np.ndarray, wanted: str, name: str
 ) -> tuple[Selection, pd.DataFrame] | None:
-    """Return the choice of a threshold at which no short-lived feature lives."""
+    """Return the choice of a threshold without short-lived features."""
     candidates = rank_candidates(plateaus.table, pd.Series(is_free))
     found = find_first_verified(plateaus.cell_sets, candidates, name=name)
     if found is None:
@@ -111,7 +111,7 @@ def _by_removing_them(
     in_plane = cell_sets.fractions.grid.dim == 2
     policy = _removing_policy(cell_sets.policy, persistence, in_plane=in_plane)
     cut_sets = CellSets(cell_sets.fractions, policy, topology=cell_sets.topology)
-    # Holes in space cannot be filled, so none of them may be short-lived.
+    # Holes in 3D cannot be filled, so none of them may be short-lived.
     is_usable = (counted["cells"] > 0) & (in_plane | (counted["n_short_holes"] == 0))
     tried = counted[is_usable].sort_values(["n_short", "width"], ascending=[True, False])
     tried = tried.head(REMOVAL_TRIALS).reset_index(drop=True)
@@ -139,7 +139,7 @@ def _by_removing_them(
 
 
 def _removing_policy(policy: Policy, persistence: float, *, in_plane: bool) -> Policy:
-    """Return a policy that also removes and fills what lives shorter."""
+    """Return a policy that also removes and fills features with less persistence."""
     return replace(
         policy,
         components=replace(policy.components, min_persistence=persistence),

@@ -1,4 +1,4 @@
-"""The threshold whose mesh has wanted Betti numbers."""
+"""Choose the threshold whose mesh has the target Betti numbers."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from tusqh.threshold.within_interval import describe_place
 def choose_by_target(
     plateaus: Plateaus, target: Target, *, matches_volume: bool = False, name: str
 ) -> tuple[Selection, pd.DataFrame]:
-    """Return the first interval with wanted Betti numbers whose mesh measures so.
+    """Return the first interval with the target Betti numbers whose measured mesh confirms them.
 
-    Within the interval the threshold is that of the right volume, or 1/2, see
+    Within the interval the threshold is 1/2 or the one with the best volume, see
     `tusqh.threshold.within_interval.take_threshold_of`.
 
     Parameters
@@ -29,10 +29,10 @@ def choose_by_target(
     plateaus
         The plateaus of the threshold.
     target
-        The wanted Betti numbers.
+        The target Betti numbers.
     matches_volume
-        Take, of all thresholds with these Betti numbers, the one whose mesh has the volume nearest
-        to that of the geometry.
+        Whether to choose, among all thresholds with these Betti numbers, the one whose mesh has the
+        volume nearest to that of the geometry.
     name
         The model, for messages.
 
@@ -44,7 +44,7 @@ def choose_by_target(
     Raises
     ------
     TopologyError
-        No threshold has them; the message lists what is reachable.
+        No threshold gives them; the message lists the reachable Betti numbers.
     """
     predicted = plateaus.table
     is_wanted = matches(predicted, target)

@@ -1,4 +1,4 @@
-"""A threshold that is given, and how far it can move."""
+"""Take a given threshold, and find how far it can move."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from tusqh.threshold.selection import Selection
 def take_threshold(
     plateaus: Plateaus, threshold: float, *, name: str
 ) -> tuple[Selection, pd.DataFrame]:
-    """Return a given threshold; nothing is meshed, and its interval is found when needed.
+    """Return a given threshold without meshing; its interval is computed when needed.
 
     Parameters
     ----------
     plateaus
-        The plateaus of the threshold; those of the interval are examined when it is needed.
+        The plateaus of the threshold; those in its interval are examined when needed.
     threshold
         Volume fraction in (0, 1].
     name

@@ -1,4 +1,4 @@
-"""The threshold whose mesh has the volume of the geometry, among all or those wanted."""
+"""Choose the threshold whose mesh best matches the volume of the geometry."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tusqh.threshold.errors import no_mesh_as_predicted, nothing_kept, unknown_v
 from tusqh.threshold.plateaus import BETTI, Plateaus
 from tusqh.threshold.selection import Selection
 
-#: This many thresholds, nearest by the volume of their cells, are meshed to match a volume.
+#: Number of thresholds, those whose cells have the nearest volumes, that are meshed.
 VOLUME_TRIALS = 10
 
 
@@ -32,9 +32,9 @@ def choose_by_volume(
     plateaus
         The plateaus of the threshold, with the volume of the geometry.
     is_wanted
-        Which of them also give what else is wanted; None: all.
+        Which plateaus also meet the rest of the request; None: all.
     also
-        What else is wanted, in words.
+        The rest of the request, in words.
     name
         The model, for messages.
 
@@ -57,7 +57,7 @@ def choose_by_volume(
         raise nothing_kept(cell_sets, predicted["threshold"].min(), name)
     if is_wanted is not None:
         is_usable = is_usable & is_wanted
-    # Of plateaus with the same cells and Betti numbers one is enough.
+    # One plateau is enough for each set of cells and Betti numbers.
     distinct = predicted[is_usable].drop_duplicates(["cells", *BETTI])
     order = (distinct["volume_ratio"] - 1).abs().sort_values(kind="stable").index
     candidates = list_plateaus(distinct.loc[order[:VOLUME_TRIALS]])

@@ -1,4 +1,4 @@
-"""Candidates for the threshold: ranked, meshed, measured."""
+"""Rank candidates for the threshold, and mesh and measure them."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Trial:
     Parameters
     ----------
     cells
-        Its cells, with the prediction.
+        The cells of the candidate, with the prediction.
     resolved
-        Its mesh.
+        The mesh of the candidate.
     """
 
     cells: CellSet
@@ -33,7 +33,7 @@ class Trial:
 
     @property
     def is_verified(self) -> bool:
-        """Whether the mesh is sound and measures, by both methods, what was predicted."""
+        """Whether the mesh is sound and both measurements confirm the prediction."""
         measured = self.resolved.mesh.measurement
         return (
             measured.has_topology(self.cells.predicted)
@@ -58,7 +58,7 @@ def try_cells(cells: CellSet, grid: BackgroundGrid, *, name: str) -> Trial:
 
 
 def rank_candidates(predicted: pd.DataFrame, is_wanted: pd.Series) -> pd.DataFrame:
-    """Return the intervals of wanted plateaus, the widest first, then the closest to 1/2.
+    """Return the intervals of wanted plateaus, widest first; ties go to the closest to 1/2.
 
     Parameters
     ----------
@@ -88,11 +88,11 @@ def rank_candidates(predicted: pd.DataFrame, is_wanted: pd.Series) -> pd.DataFra
 
 
 def rank_for_inspection(predicted: pd.DataFrame, base: float) -> pd.DataFrame:
-    """Return all intervals, those first that are wide and have the right volume.
+    """Return all intervals; wide ones with the right volume come first.
 
-    They are ranked by their width times the smaller of the volume ratio and its inverse, so that a
-    wide interval whose mesh has a hundredth of the volume comes after a narrow one that is right.
-    Where the volume is unknown, the width alone counts.
+    They are ranked by their width times the smaller of the volume ratio and its inverse, so a wide
+    interval whose mesh has a hundredth of the volume comes after a narrow one with the right
+    volume.  If the volume is unknown, only the width counts.
 
     Parameters
     ----------
@@ -104,8 +104,8 @@ def rank_for_inspection(predicted: pd.DataFrame, base: float) -> pd.DataFrame:
     Returns
     -------
     intervals
-        The columns of `tusqh.threshold.plateaus.merge_intervals`, `rank`, and `at`, which has the
-        base threshold at its interval and is empty elsewhere.
+        The columns of `tusqh.threshold.plateaus.merge_intervals`, `rank`, and `at`, which holds the
+        base threshold for its interval and is empty for the others.
 
     Examples
     --------
@@ -127,7 +127,7 @@ def rank_for_inspection(predicted: pd.DataFrame, base: float) -> pd.DataFrame:
 
 
 def list_plateaus(plateaus: pd.DataFrame) -> pd.DataFrame:
-    """Return single plateaus as candidates, in the order given.
+    """Return single plateaus as candidates, in the given order.
 
     Parameters
     ----------

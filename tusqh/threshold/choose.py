@@ -1,7 +1,7 @@
-"""The choice of a threshold.
+"""Choose a threshold.
 
-A user fixes the threshold, or asks for Betti numbers, for features that live long, for the
-volume of the geometry, or for that volume among the thresholds that give what else is wanted
+A user gives the threshold, or asks for Betti numbers, for persistent features, for the volume of
+the geometry, or for that volume among the thresholds that meet one of the other requests
 (algorithm 3).
 """
 
@@ -21,14 +21,14 @@ from tusqh.threshold.selection import Selection
 def choose_threshold(
     plateaus: Plateaus, goal: Goal | None = None, *, name: str = "model"
 ) -> tuple[Selection, pd.DataFrame]:
-    """Return the threshold that gives what was asked for, and all candidates.
+    """Return the threshold that reaches the goal, and all candidates.
 
     Parameters
     ----------
     plateaus
         The plateaus of the threshold, with cells and topology.
     goal
-        What was asked for; a threshold of 1/2 by default.
+        The goal; by default a threshold of 1/2.
     name
         The model, for messages.
 
@@ -42,7 +42,7 @@ def choose_threshold(
     Raises
     ------
     TopologyError
-        Nothing gives what is wanted; the message lists what is reachable.
+        No threshold reaches the goal; the message lists the reachable Betti numbers.
     """
     goal = goal or Goal()
     matches_volume = goal.volume is not None

@@ -1,4 +1,4 @@
-"""The selection that describes a choice."""
+"""Make the selection that describes a choice."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def describe_choice(
 
 
 def same_cells_around(cell_sets: CellSets, threshold: float) -> tuple[float, float]:
-    """Return the ends of the interval of thresholds with the same cells: neighbouring fractions.
+    """Return the two neighbouring fractions between which all thresholds give the same cells.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def find_interval_around(plateaus: Plateaus, threshold: float, betti: BettiNumbe
     Parameters
     ----------
     plateaus
-        The plateaus of the threshold; those of the interval are examined.
+        The plateaus of the threshold; those in the interval are examined.
     threshold
         Volume fraction in (0, 1].
     betti
@@ -114,7 +114,7 @@ def find_interval_around(plateaus: Plateaus, threshold: float, betti: BettiNumbe
 
 
 def _plateau_around(cell_sets: CellSets, threshold: float) -> pd.Series:
-    """Return the extent of the plateau around a threshold that was not examined."""
+    """Return the extent of an unexamined plateau around a threshold."""
     levels = np.concatenate([[1.0], cell_sets.distinct_fractions, [0.0]])
     upper, lower = levels[levels >= threshold].min(), levels[levels < threshold].max()
     return pd.Series({"lower": lower, "upper": upper, "unexamined": 0.0})

@@ -1,4 +1,4 @@
-"""Errors for goals that no threshold reaches."""
+"""Make the errors for goals that no threshold reaches."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tusqh.threshold.goals import distances
 from tusqh.threshold.plateaus import list_intervals, list_reachable, merge_intervals
 from tusqh.topology.persistence import DIAGRAM_CELLS
 
-#: At most this many intervals are listed where a target is not reached.
+#: Largest number of intervals that are listed if a target is not reached.
 NEAREST = 10
 
 
@@ -24,7 +24,7 @@ def unreachable_target(predicted: pd.DataFrame, target: Target, name: str) -> To
     predicted
         See `tusqh.threshold.plateaus.Plateaus.table`.
     target
-        The wanted Betti numbers.
+        The target Betti numbers.
     name
         The model.
     """
@@ -46,14 +46,14 @@ def unreachable_target(predicted: pd.DataFrame, target: Target, name: str) -> To
 
 
 def unreachable_persistence(predicted: pd.DataFrame, wanted: str, name: str) -> TopologyError:
-    """Return the error for features that cannot be told apart by their persistence.
+    """Return the error for features that persistence cannot separate.
 
     Parameters
     ----------
     predicted
         See `tusqh.threshold.plateaus.Plateaus.table`.
     wanted
-        What was asked for, in words.
+        The request, in words.
     name
         The model.
     """
@@ -83,7 +83,7 @@ def grid_too_large_for_persistence(name: str) -> TopologyError:
 
 
 def no_mesh_as_predicted(name: str) -> TopologyError:
-    """Return the error for meshes of which none measures as predicted.
+    """Return the error for candidates if no mesh measures as predicted.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def threshold_out_of_range(threshold: float, name: str) -> TopologyError:
     Parameters
     ----------
     threshold
-        The threshold that was given.
+        The given threshold.
     name
         The model.
     """
@@ -139,7 +139,7 @@ def nothing_kept(cell_sets: CellSets, threshold: float, name: str) -> TopologyEr
 
 
 def unknown_volume(name: str) -> TopologyError:
-    """Return the error for a volume that is to be matched and is unknown.
+    """Return the error for matching a volume that is unknown.
 
     Parameters
     ----------
@@ -156,12 +156,12 @@ def unknown_volume(name: str) -> TopologyError:
 
 
 def no_threshold_alone(wanted: str, name: str) -> TopologyError:
-    """Return the error for a volume to match where features would have to be removed as well.
+    """Return the error for matching a volume if features would also have to be removed.
 
     Parameters
     ----------
     wanted
-        What was asked for, in words.
+        The request, in words.
     name
         The model.
     """

@@ -1,4 +1,4 @@
-"""The loop that proves a choice: predict, mesh, measure, or continue with the next candidate."""
+"""Verify a choice: predict, mesh and measure each candidate until one agrees."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ def find_first_verified(
     cell_sets
         The cells of every threshold.
     candidates
-        Intervals in the order in which they are tried; each outcome is noted in `status`.
+        Intervals in the order in which they are tried; `status` receives each outcome.
     name
         The model, for messages.
 
     Returns
     -------
     row, trial
-        The candidate and its mesh; None where every measurement disagrees.
+        The candidate and its mesh; None if every measurement disagrees.
     """
     for index, threshold in enumerate(candidates["threshold"].to_numpy()):
         trial = try_cells(cell_sets.at(threshold), cell_sets.fractions.grid, name=name)

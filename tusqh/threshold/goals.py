@@ -1,4 +1,4 @@
-"""How far Betti numbers are from those that are wanted."""
+"""Compare Betti numbers with a target."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tusqh.settings.goal import Range, Target
 
 
 def matches(numbers: pd.DataFrame, target: Target) -> BoolArray:
-    """Return which rows have the wanted Betti numbers; those left out may have any value.
+    """Return which rows have the target Betti numbers; omitted numbers may have any value.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def matches(numbers: pd.DataFrame, target: Target) -> BoolArray:
 
 
 def distances(numbers: pd.DataFrame, target: Target) -> FloatArray:
-    """Return how far the Betti numbers of each row are from a target, summed over dimensions.
+    """Return the distance of the Betti numbers in each row to a target, summed over dimensions.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The topology that the mesh will have at every threshold, as plateaus and as intervals."""
+"""Predict the topology of the mesh at every threshold, as plateaus and as intervals."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ PREDICTED += ["removed", "filled", *BETTI, "volume_ratio"]
 PREDICTED += [*(f"raw_{name}" for name in BETTI), "raw_agrees"]
 
 #: Fields of open outlines have tens of thousands of plateaus, nearly all too narrow to be a
-#: robust choice.  This many are examined on a small grid, fewer where each one takes longer.
+#: robust choice.  These are the limits on the number examined: the largest number applies to small
+#: grids, and fewer are examined on large grids, where each one takes longer.
 MAX_PLATEAUS = 1000
 MIN_PLATEAUS = 100
 _CELLS_TO_EXAMINE = 20_000_000
@@ -31,7 +32,8 @@ _CELLS_TO_EXAMINE = 20_000_000
 class Plateaus:
     """The plateaus of the threshold and the topology of their meshes, predicted when needed.
 
-    Of too many plateaus the widest half, that of 1/2 and an even spread of the others are examined.
+    If there are too many plateaus, only the widest ones (up to half of the limit), the plateau of
+    1/2 and evenly spread others are examined.
 
     Parameters
     ----------
@@ -40,7 +42,7 @@ class Plateaus:
     reference
         The volume that a mesh should have; None: that of the fractions.
     progress
-        Shows how many plateaus were examined when all are; nothing by default.
+        Reports how many plateaus have been examined when all are; None: no report.
     """
 
     def __init__(
@@ -67,14 +69,15 @@ class Plateaus:
 
     @cached_property
     def table(self) -> pd.DataFrame:
-        """Every examined plateau with the Betti numbers that its mesh will have.
+        """Every examined plateau with the predicted Betti numbers of its mesh.
 
-        One row per plateau, from high to low: every threshold ``t`` with ``lower < t <= upper``
-        gives the same mesh; `width`; `threshold`, its middle; `cells` kept; `clusters` of
-        pinches and how many were `overruled`; `bridges`, components `removed` and `filled`
-        holes or voids; `betti_0`, `betti_1`, `betti_2` of the mesh; `volume_ratio`, the volume of
-        the kept cells over that of the geometry, NaN where that is unknown; ``raw_betti_*`` of the
-        filtration; `raw_agrees`, whether these are those of the mesh.
+        There is one row per plateau, from high to low: `upper` and `lower` (every threshold ``t``
+        with ``lower < t <= upper`` gives the same mesh); `width`; `threshold`, its middle; the
+        number of `cells` kept, of `clusters` of pinches and of those `overruled`, of `bridges`, of
+        components `removed` and of holes or voids `filled`; `betti_0`, `betti_1`, `betti_2` of the
+        mesh; `volume_ratio`, the ratio of the kept cells' volume to that of the geometry, NaN if
+        the latter is unknown; ``raw_betti_*`` of the filtration; `raw_agrees`, whether the
+        filtration and the mesh have the same Betti numbers.
         """
         report = self._progress("plateaus") if self._progress else None
         for index in range(len(self)):
@@ -82,7 +85,7 @@ class Plateaus:
             if report is not None:
                 report(index + 1, len(self))
         predicted = self._tabulate(slice(0, len(self)))
-        # Plateaus go from high to low: the first whose lower end is below holds the threshold.
+        # Plateaus go from high to low; the first with a lower end below it holds the threshold.
         curves = self.cell_sets.topology.curves
         of_raw = np.searchsorted(-curves["lower"].to_numpy(), -self.upper, side="right")
         for name in BETTI:
@@ -94,7 +97,7 @@ class Plateaus:
     def find_interval(self, threshold: float) -> pd.Series | None:
         """Return the run of plateaus around a threshold whose meshes have the same Betti numbers.
 
-        Only the plateaus of the run and the two next to it are examined.
+        Only the plateaus of the run and its two neighbours are examined.
 
         Parameters
         ----------
@@ -104,13 +107,13 @@ class Plateaus:
         Returns
         -------
         interval
-            A row of `merge_intervals`; None where the threshold lies on a plateau that keeps no
-            cell, or between examined plateaus with different Betti numbers.
+            A row of `merge_intervals`; None if the threshold lies on a plateau that keeps no cell,
+            or between examined plateaus with different Betti numbers.
         """
         last = int(np.searchsorted(-self.lower, -threshold, side="right"))
         if last == len(self):
             return None
-        # In a gap between examined plateaus, both neighbours must be of the run.
+        # In a gap between examined plateaus, both neighbours must belong to the run.
         first = last if threshold <= self.upper[last] else last - 1
         if first < 0 or self._kind(first) != self._kind(last) or self._kind(first)[0] == 0:
             return None
@@ -126,7 +129,7 @@ class Plateaus:
         return (row["cells"] > 0, *(row[name] for name in BETTI))
 
     def _examine(self, index: int) -> dict[str, float]:
-        """Return what is predicted for one plateau."""
+        """Return the prediction for one plateau."""
         if index not in self._rows:
             cells = self.cell_sets.at((self.upper[index] + self.lower[index]) / 2)
             n_removed = cells.n_removed
@@ -164,7 +167,7 @@ def merge_intervals(predicted: pd.DataFrame, is_wanted: pd.Series | None = None)
     predicted
         See `Plateaus.table`.
     is_wanted
-        Plateaus to use, all of those that keep a cell by default; others end a run.
+        Plateaus to use, by default all that keep a cell; other plateaus end a run.
 
     Returns
     -------
@@ -173,7 +176,7 @@ def merge_intervals(predicted: pd.DataFrame, is_wanted: pd.Series | None = None)
         within it that no examined plateau covers; `threshold`, see
         `tusqh.threshold.within_interval.take_threshold_of`; `margin`, the distance of its cells to
         the ends of the run, see `tusqh.threshold.within_interval.margin_of`; and the columns of
-        its plateau.
+        the plateau of that threshold.
 
     Examples
     --------
@@ -240,13 +243,13 @@ def list_intervals(intervals: pd.DataFrame) -> str:
 
 
 def _choose(upper: FloatArray, lower: FloatArray, n_cells: int) -> IntArray:
-    """Return the plateaus to examine: all, or the widest half, that of 1/2, and an even spread."""
+    """Return the plateaus to examine: all, or the widest, that of 1/2, and evenly spread ones."""
     limit = int(np.clip(_CELLS_TO_EXAMINE // n_cells, MIN_PLATEAUS, MAX_PLATEAUS))
     if len(upper) <= limit:
         return np.arange(len(upper), dtype=np.int64)
     widest = np.argsort(lower - upper, kind="stable")[: limit // 2]
     n_spread = limit - len(widest) - 1
     thresholds = np.append((np.arange(n_spread) + 0.5) / n_spread, 0.5)
-    # Plateaus go from high to low: the first whose lower end is below the threshold holds it.
+    # Plateaus go from high to low; the first with a lower end below a threshold holds it.
     spread = np.searchsorted(-lower, -thresholds, side="right")
     return np.unique(np.concatenate([widest, spread])).astype(np.int64)

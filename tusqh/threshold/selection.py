@@ -1,4 +1,4 @@
-"""The chosen threshold, why it was chosen, and how robust the choice is."""
+"""The chosen threshold, the reason for the choice, and its robustness."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Interval(NamedTuple):
     Parameters
     ----------
     lower, upper
-        Every examined threshold ``t`` with ``lower < t <= upper`` has them.
+        Every examined threshold ``t`` with ``lower < t <= upper`` has these Betti numbers.
     margin
         Distance of the kept cells to the nearer end, see
         `tusqh.threshold.within_interval.margin_of`.
@@ -38,30 +38,30 @@ class Interval(NamedTuple):
 
 @dataclasses.dataclass(frozen=True)
 class Selection:
-    """A threshold, why it was chosen, and how robust the choice is.
+    """A threshold, the reason for its choice, and the robustness of the choice.
 
     Parameters
     ----------
     threshold
-        Dimensionless, in (0, 1].
+        The threshold, dimensionless, in (0, 1].
     cells_lower, cells_upper
         Every threshold ``t`` with ``cells_lower < t <= cells_upper`` gives the same cells.
     wanted
-        What was asked for, in words.
+        The request, in words.
     raw
         Betti numbers of the filtration, where every pinch follows its own sub-cell.
     predicted
-        Betti numbers that the mesh will have.
+        Predicted Betti numbers of the mesh.
     reason
-        One sentence for people.
+        Why the threshold was chosen, in one sentence.
     policy
-        What was done about pinches and small features, which may differ from the settings.
+        How pinches and small features were treated, which may differ from the settings.
     find_interval, find_without_features
-        Compute `interval` and `without_features`.
+        Functions that compute `interval` and `without_features`.
     cells
-        The cells, where they are known; they are not stored in files.
+        The cells, if they are known; they are not stored in files.
     resolved
-        The mesh, where one was made to verify the choice; it is not stored in files.
+        The mesh, if one was made to verify the choice; it is not stored in files.
     """
 
     threshold: float
@@ -98,8 +98,8 @@ class Selection:
     def without_features(self) -> str:
         """The thresholds that give the same Betti numbers with no feature removed or filled.
 
-        In words; empty where no threshold does, or where the choice removes and fills nothing.
-        All plateaus are examined for it.
+        The text is empty if no threshold does, or if the choice removes and fills nothing.  All
+        plateaus are examined to find it.
         """
         return self.find_without_features()
 

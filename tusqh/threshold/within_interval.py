@@ -1,4 +1,4 @@
-"""The threshold within an interval of the same topology: that of the right volume, or 1/2."""
+"""Choose the threshold within an interval of the same topology: 1/2 or that of the best volume."""
 
 from __future__ import annotations
 
@@ -9,21 +9,22 @@ import pandas as pd
 
 from tusqh.grid import FloatArray
 
-#: A threshold keeps this distance to the ends of its interval, or a part of a narrow one's width.
+#: Least distance of a threshold to the ends of its interval; in a narrow interval, least share of
+#: its width.
 SAFE_DISTANCE, SAFE_SHARE = 0.05, 0.25
 
-#: 1/2 is taken where the volume of its cells is right to this part.
+#: The threshold 1/2 is taken if the relative volume error of its cells is at most this.
 GOOD = 0.01
 
 
 def take_threshold_of(members: pd.DataFrame) -> tuple[int, float]:
-    """Return the threshold of an interval: that of the right volume, or 1/2.
+    """Return the position and value of an interval's threshold: 1/2 or that of the best volume.
 
     Thresholds closer to an end of the interval than `SAFE_DISTANCE`, or than `SAFE_SHARE` of its
-    width where that is less, are left aside.  Of the others 1/2 is taken where the volume of its
-    cells is right to `GOOD`, or as good as any; else the middle of the plateau whose cells have
-    the nearest volume, and of several the nearest to the middle of the interval.  Where
-    the volume is unknown, it is the plateau nearest to the middle of the interval.
+    width if that is less, are excluded.  Among the others, 1/2 is taken if the volume error of its
+    cells is at most `GOOD` or at most that of any other; otherwise the middle of the plateau whose
+    cells have the nearest volume is taken, and in a tie the one nearest to the middle of the
+    interval.  If the volume is unknown, the plateau nearest to the middle of the interval is taken.
 
     Parameters
     ----------
@@ -66,10 +67,10 @@ def take_threshold_of(members: pd.DataFrame) -> tuple[int, float]:
 
 
 def margin_of(same_cells: tuple[float, float], interval: tuple[float, float]) -> float:
-    """Return how far kept cells are from the ends of an interval of the threshold.
+    """Return the distance of a set of kept cells to the ends of an interval of thresholds.
 
-    A mesh is the same for every threshold of its plateau, so this is a property of the plateau: the
-    distance from the threshold in it that is farthest from both ends, to the nearer one.
+    A mesh is the same for every threshold of its plateau, so this is a property of the plateau: it
+    is the largest distance that a threshold in the plateau has to the nearer end.
 
     Parameters
     ----------
@@ -80,7 +81,7 @@ def margin_of(same_cells: tuple[float, float], interval: tuple[float, float]) ->
 
     Examples
     --------
-    Cells at exactly 1/2 are kept at 1/2 and everywhere down to 31/64:
+    Cells with a fraction of exactly 1/2 are kept at all thresholds above 31/64 and up to 1/2:
 
     >>> margin_of((31 / 64, 0.5), (0.25, 0.5))
     0.015625
@@ -93,12 +94,12 @@ def margin_of(same_cells: tuple[float, float], interval: tuple[float, float]) ->
 
 
 def describe_place(row: Mapping[str, float] | pd.Series) -> str:
-    """Return why a threshold of an interval was taken, in words.
+    """Return the reason for the threshold within an interval, in words.
 
     Parameters
     ----------
     row
-        Its `threshold` and `volume_ratio`.
+        The interval's `threshold` and `volume_ratio`.
     """
     if np.isnan(row["volume_ratio"]):
         return "in its middle, since the volume of the geometry is unknown"

@@ -1,9 +1,9 @@
 """The values of the filtration's nodes, as integer multiples of `RESOLUTION`.
 
-A node is present at level ``k`` when its own multiple is at least ``k``; a multiple of 0 never is.
-Interior edges and vertices are clamped to the range of the cells around them (paper: Transferring
-Persistent Parameters to Simplices), and fractions to [0, 1]: no threshold in (0, 1] tells values
-below 0, or above 1, apart.
+A node is present at level ``k`` if its own multiple is at least ``k``; a node with multiple 0 is
+never present.  Interior edges and vertices are clamped to the range of the cells around them
+(paper: Transferring Persistent Parameters to Simplices), and fractions to [0, 1], because no
+threshold in (0, 1] distinguishes values below 0, or values above 1, from one another.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from tusqh.grid.doubled import as_layer
 from tusqh.sampling.doubled_grid import RESOLUTION, Multiples
 
-#: Multiple of a full cell.
+#: Fraction of a full cell, in multiples of `RESOLUTION`.
 FULL = round(1 / RESOLUTION)
 
 #: Layers of empty places around the doubled grid: one layer of cells, so that all vertices of the
@@ -34,11 +34,11 @@ def clamp_multiples(multiples: Multiples) -> Multiples:
     -------
     nodes
         Multiples in 0..`FULL`, shape ``2 n + 5``, int32.  Places without a node (edges in 2D,
-        faces in 3D) keep theirs.
+        faces in 3D) keep their values.
 
     Examples
     --------
-    A vertex lies between its cells:
+    The value of a vertex is clamped to the range of its cells:
 
     >>> multiples = np.zeros((5, 5), dtype=np.int32)
     >>> multiples[1::2, 1::2] = [[2, 3], [4, 5]]
@@ -53,7 +53,7 @@ def clamp_multiples(multiples: Multiples) -> Multiples:
 
 
 def complement(nodes: Multiples) -> Multiples:
-    """Return multiples in the order in which nodes leave as the threshold falls.
+    """Return the multiples of the complement, in which nodes leave as the threshold falls.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def complement(nodes: Multiples) -> Multiples:
     Returns
     -------
     left
-        Multiples in 1..``FULL + 1``: above 0, so that every node is present at the end.
+        Multiples in 1..``FULL + 1``; they are positive, so every node is present at the end.
 
     Notes
     -----
@@ -75,7 +75,7 @@ def complement(nodes: Multiples) -> Multiples:
 
 @numba.njit(cache=True)
 def _clamp(nodes):  # type: ignore[no-untyped-def]
-    """Clamp interior edges and vertices of an array in space, in place, to the cells around."""
+    """Clamp interior edges and vertices of an array in space to the cells around them, in place."""
     n_x, n_y, n_z = nodes.shape
     for i in range(1, n_x - 1):
         for j in range(1, n_y - 1):
@@ -88,5 +88,5 @@ def _clamp(nodes):  # type: ignore[no-untyped-def]
                     for y in range(j - 1 + odd_j, j + 2 - odd_j, 2):
                         for z in range(k - 1 + odd_k, k + 2 - odd_k, 2):
                             low, high = min(low, nodes[x, y, z]), max(high, nodes[x, y, z])
-                # A clamped edge lies in the range of its cells, so these suffice for a vertex.
+                # A clamped edge lies in the range of its cells, so the cells suffice for a vertex.
                 nodes[i, j, k] = min(max(nodes[i, j, k], low), high)

@@ -1,9 +1,9 @@
-"""Betti curves of the filtration at any size: union-find and counting, no matrix.
+"""Compute the Betti curves of the filtration by union-find and counting, without a matrix.
 
-Components are counted by one union-find.  The complement of a full subcomplex retracts onto the
-full subcomplex of the other nodes, so the components of those, less the outside, are the classes
-of the highest dimension: the same union-find on the complement.  The Euler characteristic is
-counted, and gives H_1 in 3D (algorithm 2).
+One union-find counts the components.  The complement of a full subcomplex retracts onto the full
+subcomplex of the other nodes, so the components of these nodes, less the outside, are the classes
+of the highest dimension; the same union-find on the complement counts them.  The Euler
+characteristic is counted directly and gives H_1 in 3D (algorithm 2).
 """
 
 from __future__ import annotations
@@ -31,16 +31,16 @@ def tabulate_curves(nodes: Multiples, kept: Merges, empty: Merges) -> pd.DataFra
     Returns
     -------
     curves
-        One row per plateau, from high to low thresholds: every threshold ``t`` with
-        ``lower < t <= upper`` gives the same complex; `width`; `betti_0`, `betti_1`, `betti_2`
-        of that complex (raw: every pinch follows its own sub-cell fraction); `euler`, its Euler
-        characteristic.
+        One row per plateau, from high to low thresholds: `upper` and `lower` (every threshold ``t``
+        with ``lower < t <= upper`` gives the same complex); `width`; `betti_0`, `betti_1`,
+        `betti_2` of that complex (raw: every pinch follows its own sub-cell fraction); `euler`, its
+        Euler characteristic.
     """
     levels = _levels(nodes)
     upper, lower = levels[:-1], levels[1:]
     euler = np.cumsum(count_euler(nodes)[::-1])[::-1][upper]
     components = _count_at_least(kept.birth, upper) - _count_at_least(kept.death, upper)
-    outside = FULL + 2 - upper  # The lowest complement multiple of a node that is out.
+    outside = FULL + 2 - upper  # Lowest complement multiple of an absent node.
     enclosed = _count_at_least(empty.birth, outside) - _count_at_least(empty.death, outside) - 1
     if nodes.ndim == 2:
         betti = [components, enclosed, np.zeros_like(components)]
@@ -68,14 +68,14 @@ def outer_pairs(nodes: Multiples, kept: Merges, empty: Merges) -> pd.DataFrame:
     Returns
     -------
     pairs
-        See `tusqh.topology.topology.Topology.pairs`; in 3D those of dimension 1 are missing.
+        See `tusqh.topology.topology.Topology.pairs`; in 3D the pairs of dimension 1 are missing.
     """
     is_enclosed = empty.death > 0  # A component that never merges in the complement is outside.
     tables = [
         _to_table(0, kept),
         _to_table(
             nodes.ndim - 1,
-            # A class exists from the key at which its void is cut off until it is filled.
+            # A class exists from the multiple at which its void is cut off until it is filled.
             Merges(
                 birth=FULL + 1 - empty.death[is_enclosed],
                 death=FULL + 1 - empty.birth[is_enclosed],
@@ -100,7 +100,7 @@ def outer_pairs(nodes: Multiples, kept: Merges, empty: Merges) -> pd.DataFrame:
 def persistence_by_cell(
     nodes: Multiples, kept: Merges, empty: Merges
 ) -> tuple[FloatArray, FloatArray]:
-    """Return how long the classes live that each cell creates, and those that each destroys.
+    """Return the persistence of the classes that each cell creates and of those it destroys.
 
     Parameters
     ----------
@@ -112,7 +112,8 @@ def persistence_by_cell(
     of_components
         Persistence of the component that begins in a cell, shape n; 0 elsewhere.
     of_enclosed
-        Persistence of the hole (in 3D the void) that closes up in a cell, shape n; 0 elsewhere.
+        Persistence of the hole (in 3D the void) that is filled last in a cell, shape n; 0
+        elsewhere.
 
     Examples
     --------
@@ -126,7 +127,7 @@ def persistence_by_cell(
     """
     shape = tuple((n - 2 * MARGIN) // 2 for n in nodes.shape)
     found = []
-    # The complement's multiples are above 0 by one, so that the empty outside never merges.
+    # The complement's multiples are larger by one, so that the empty outside never merges.
     for merges, never in ((kept, 0), (empty, 1)):
         places = np.stack(np.unravel_index(merges.birth_place, nodes.shape)) // 2 - MARGIN // 2
         is_inside = ((places >= 0) & (places < np.array(shape)[:, None])).all(axis=0)
@@ -156,7 +157,7 @@ def _levels(nodes: Multiples) -> IntArray:
     is_there = np.zeros(FULL + 1, dtype=bool)
     is_there[[0, FULL]] = True
     for index, layer in enumerate(nodes):
-        # Nodes are all places but edges in 2D and faces in 3D: those with dim - 1 odd indices.
+        # All places are nodes except edges in 2D and faces in 3D, which have dim - 1 odd indices.
         n_odd = index % 2 + np.indices(layer.shape).__mod__(2).sum(axis=0)
         is_there[layer[n_odd != nodes.ndim - 1]] = True
     return np.flatnonzero(is_there)[::-1].astype(np.int64)

@@ -1,12 +1,11 @@
-"""The Betti numbers that a mesh will have, from kept cells and pinch decisions alone.
+"""Predict the Betti numbers of a mesh from kept cells and pinch decisions alone.
 
-With the decisions made, the paper's complex is small enough to count.  Kept cells are joined when
-they share a face (in 2D a side), or meet at a connected pinch; empty cells when they share a
-face, or meet at a separated pinch.  Components of the first graph are the mesh's components;
-components of the second (with everything outside the grid as one) are its holes in 2D and its
-voids in 3D plus the outside, because the complement of a full subcomplex retracts onto the full
-subcomplex of the other nodes (algorithm 2).  Holes in 3D follow from the Euler
-characteristic.
+Once the decisions are made, the paper's complex is small enough to count.  Kept cells are joined if
+they share a face (in 2D a side) or meet at a connected pinch; empty cells are joined if they share
+a face or meet at a separated pinch.  Components of the first graph are the mesh's components;
+components of the second (with everything outside the grid as one) are its holes in 2D, or its
+voids in 3D, plus the outside, because the complement of a full subcomplex retracts onto the full
+subcomplex of the other nodes (algorithm 2).  Holes in 3D follow from the Euler characteristic.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ def label_components(cells: BoolArray, joins: BoolArray) -> tuple[IntArray, int]
     cells
         Cells of a grid, shape n; they are joined across faces.
     joins
-        Grid vertices at which all cells around count as joined, shape ``n + 1``.
+        Grid vertices at which all surrounding cells count as joined, shape ``n + 1``.
 
     Returns
     -------
@@ -69,8 +68,8 @@ def label_components(cells: BoolArray, joins: BoolArray) -> tuple[IntArray, int]
 def count_euler_characteristic(kept: BoolArray, connects: BoolArray) -> int:
     """Return the Euler characteristic of kept cells whose pinches have been decided.
 
-    Only nodes whose star changes it are counted: an edge or vertex with some, but not all, of
-    its cells kept, and no pinch, has a contractible link.
+    Only nodes whose star changes it are counted: the link of an edge or vertex that is no pinch and
+    has some, but not all, of its cells kept is contractible.
 
     Parameters
     ----------
@@ -121,7 +120,7 @@ def effective_betti(kept: BoolArray, connects: BoolArray, separates: BoolArray) 
     '(1, 1, 0)'
     """
     _, n_components = label_components(kept, connects)
-    # One more layer of empty cells joins everything outside the grid into one component.
+    # A further layer of empty cells joins everything outside the grid into one component.
     _, n_empty = label_components(~np.pad(kept, 1), np.pad(separates, 1))
     if kept.ndim == 2:
         return BettiNumbers(n_components, n_empty - 1)

@@ -1,8 +1,8 @@
-"""The Euler characteristic of the filtration at every level, by counting simplices.
+"""Compute the Euler characteristic of the filtration at every level by counting simplices.
 
-Every simplex of the complex has a place of lowest dimension on the doubled grid: a cell alone, a
-face for a pair of cells, or the edge or vertex that is its lowest node.  So the complex falls
-apart into one *star* per place::
+Every simplex of the complex has a place of lowest dimension on the doubled grid: the cell for a
+single cell, the face for a pair of cells, or the edge or vertex that is its lowest node.
+Therefore the complex is the disjoint union of one *star* per place::
 
     cell      the cell                                                        +1
     face      the pair of its two cells                                       -1
@@ -10,8 +10,8 @@ apart into one *star* per place::
     vertex    the vertex, coned to its 8 cells, 12 pairs and 6 edges, and to  1 - 8 + 12
               each edge with its 4 cells and 4 pairs                          - 6 + 24 - 24
 
-A simplex appears when the last of its nodes does, at the smallest of their multiples.  A grid in
-the plane is a layer of cells in space: its vertices have the star of an edge.
+A simplex appears together with its last node, at the smallest of their multiples.  A grid in the
+plane is a layer of cells in space, so its vertices have the star of an edge.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class _Stars(NamedTuple):
     start
         The star of parity ``p`` (bit 0 for x) has the rows ``start[p] <= row < start[p + 1]``.
     nodes
-        Offsets to the nodes of each simplex, shape (n, 4, 3); a node is repeated to make four.
+        Offsets to the nodes of each simplex, shape (n, 4, 3); nodes are repeated to make four.
     sign
         -1 to the power of the dimension of each simplex, shape (n,).
     total
@@ -51,7 +51,7 @@ class _Stars(NamedTuple):
 
 
 def count_euler(nodes: Multiples) -> IntArray:
-    """Return by how much the Euler characteristic grows at each level.
+    """Return the increment of the Euler characteristic at each level.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def _stars() -> _Stars:
 
 
 def _star(parity: Offset) -> list[tuple[Offset, ...]]:
-    """List the simplices whose place of lowest dimension has a parity, by their nodes."""
+    """List the simplices, by their nodes, whose place of lowest dimension has the given parity."""
     here, cells = (0, 0, 0), cells_around(parity)
     pairs = [p for p in itertools.combinations(cells, 2) if _n_different(*p) == 1]
     if sum(parity) == 3:
@@ -129,7 +129,7 @@ def _count(nodes, flat, start, steps, sign, total, change):  # type: ignore[no-u
                         for z in range(k - 1 + odd_k, k + 2 - odd_k, 2):
                             low, high = min(low, nodes[x, y, z]), max(high, nodes[x, y, z])
                 parity = odd_i + 2 * odd_j + 4 * odd_k
-                if low == high:  # All nodes of the star have this multiple: it appears as a whole.
+                if low == high:  # All nodes have this multiple, so the whole star appears at once.
                     change[low] += total[parity]
                     continue
                 place = (i * n_y + j) * n_z + k

@@ -1,4 +1,4 @@
-r"""The paper's simplicial filtration of a background grid, in 2D and 3D.
+r"""Build the paper's simplicial filtration of a background grid, in 2D and 3D.
 
 Paper: Transferring Persistent Parameters to Simplices.  Nodes are the cells of the grid, its
 interior vertices and, in 3D, its interior edges; a node's value is its volume fraction, clamped
@@ -6,7 +6,7 @@ between the values around it.  Every grid vertex is coned to the cells (and edge
 
       cell ----- cell        2D: four triangles (cell, cell, vertex) per vertex,
         | \     / |          3D: 24 tetrahedra (cell, cell, edge, vertex) per vertex.
-        |  vertex |          A simplex enters when its last node does.
+        |  vertex |          A simplex enters together with its last node.
         | /     \ |
       cell ----- cell
 
@@ -59,12 +59,12 @@ class Filtration:
 
 
 def clamp_values(values: FloatArray) -> FloatArray:
-    """Return fractions with those of interior edges and vertices clamped to what surrounds them.
+    """Return fractions after clamping interior edges and vertices to the nodes around them.
 
     Parameters
     ----------
     values
-        Fractions on the doubled grid, shape ``2 n + 1``; the outermost layer is left alone.
+        Fractions on the doubled grid, shape ``2 n + 1``; the outermost layer does not change.
 
     Examples
     --------
@@ -90,7 +90,7 @@ def clamp_values(values: FloatArray) -> FloatArray:
 def build_filtration(values: FloatArray) -> Filtration:
     """Return the filtration of fractions on a doubled grid of shape ``2 n + 1``.
 
-    Only thresholds above 0 are of interest, so nodes with values of 0 and less are left out.
+    Only thresholds above 0 matter, so nodes with values of at most 0 are left out.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ def build_filtration(values: FloatArray) -> Filtration:
     padded = clamp_values(np.pad(values, 2))
     is_node = (padded > 0) & (place_dimensions(padded.shape) != dim - 1)
     number = np.full(padded.shape, -1, dtype=np.int64)
-    # Every place has a node but edges in 2D and faces in 3D.
+    # Every place has a node except edges in 2D and faces in 3D.
     places = np.argwhere(is_node)
     number[tuple(places.T)] = np.arange(len(places))
     simplices = [np.arange(len(places), dtype=np.int64)[:, None]]
@@ -121,12 +121,12 @@ def build_filtration(values: FloatArray) -> Filtration:
 
 
 def _star_simplices(dim: int, k: int) -> list[tuple[Offset, tuple[Offset, ...]]]:
-    """List the k-simplices: the parity of their lowest-dimensional place and all offsets."""
+    """List the k-simplices by the parity of their lowest-dimensional place and all offsets."""
     found: list[tuple[Offset, tuple[Offset, ...]]] = []
     for parity in itertools.product((0, 1), repeat=dim):
         n_odd = sum(parity)
         here = (0,) * dim
-        if n_odd == dim - 1:  # Two cells that share a side or face, which has no node itself.
+        if n_odd == dim - 1:  # Two cells that share a side or face, which itself has no node.
             pair = tuple(cells_around(parity))
             if k == 1:
                 found.append((parity, pair))
@@ -171,13 +171,13 @@ def _interior(parity: Offset, offset: Offset, shape: tuple[int, ...]) -> tuple[s
 
 
 def _place(number: IntArray, parity: Offset, offsets: tuple[Offset, ...]) -> IntArray:
-    """Return the node numbers of one kind of simplex wherever all of its nodes exist."""
+    """Return the node numbers of all simplices of one kind whose nodes all exist."""
     rows = np.stack([number[_interior(parity, o, number.shape)].ravel() for o in offsets], axis=1)
     return rows[(rows >= 0).all(axis=1)]
 
 
 def _clamp(values: FloatArray, parity: Offset, around: list[Offset]) -> None:
-    """Clamp the places of one parity, in place, to the range of what is around them."""
+    """Clamp the places of one parity to the range of the given neighbours, in place."""
     neighbours = [values[_interior(parity, offset, values.shape)] for offset in around]
     here = _interior(parity, (0,) * values.ndim, values.shape)
     values[here] = np.clip(values[here], np.min(neighbours, axis=0), np.max(neighbours, axis=0))

@@ -1,7 +1,7 @@
-"""Persistence pairs of the filtration, where they happen, and a check against the curves.
+"""Find the persistence pairs of the filtration, locate them, and check them against the curves.
 
-gudhi pairs the classes of dimension 0 and 1; in 3D the voids come from union-find, so that no
-tetrahedron is stored, and above `DIAGRAM_CELLS` cells the components too.
+gudhi pairs the classes of dimension 0 and 1.  In 3D the voids come from union-find, so that no
+tetrahedron is stored; above `DIAGRAM_CELLS` cells so do the components.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from tusqh.topology.filtration import Filtration, build_filtration
 #: Largest 3D grid whose holes are paired; 64^3 cells take about 40 s and 2.6 GB.
 DIAGRAM_CELLS = 64**3
 
-#: What a place of the doubled grid is, by its number of odd indices.
+#: Name of a place of the doubled grid, by its number of odd indices.
 PLACES = {2: ("vertex", "edge", "cell"), 3: ("vertex", "edge", "face", "cell")}
 
 _PAIR_ORDER = ["dimension", "persistence", "birth", "birth_place"]
 
 
 def paired_dimensions(shape: tuple[int, ...], *, n_cells: int = DIAGRAM_CELLS) -> tuple[int, ...]:
-    """Return the dimensions whose pairs are found, for a doubled grid of a shape.
+    """Return the dimensions whose pairs are computed for a doubled grid of the given shape.
 
     Parameters
     ----------
@@ -49,10 +49,10 @@ def paired_dimensions(shape: tuple[int, ...], *, n_cells: int = DIAGRAM_CELLS) -
 def locate_pairs(pairs: pd.DataFrame, grid: BackgroundGrid) -> pd.DataFrame:
     """Return the pairs with the places that create and destroy each class.
 
-    The two place columns give way to ``birth_at`` (cell, edge or vertex), ``birth_i``,
+    The two place columns are replaced by ``birth_at`` (cell, edge or vertex), ``birth_i``,
     ``birth_j``, ... (index of the cell, or of the lowest vertex of the edge) and ``birth_x``,
-    ``birth_y``, ... (its centre, in model units), and the same for ``death``, empty where
-    nothing destroys the class.
+    ``birth_y``, ... (its centre, in model units), and by the same columns for ``death``, which are
+    empty if nothing destroys the class.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def locate_pairs(pairs: pd.DataFrame, grid: BackgroundGrid) -> pd.DataFrame:
 
 
 def count_alive(pairs: pd.DataFrame, thresholds: FloatArray) -> IntArray:
-    """Return the Betti numbers that pairs give at thresholds, shape (n, 3).
+    """Return the Betti numbers that pairs imply at thresholds, shape (n, 3).
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def count_alive(pairs: pd.DataFrame, thresholds: FloatArray) -> IntArray:
 def require_agreement(
     pairs: pd.DataFrame, curves: pd.DataFrame, dimensions: tuple[int, ...], *, name: str
 ) -> None:
-    """Raise a `TopologyError` when pairs and curves, two independent counts, differ at a threshold.
+    """Raise a `TopologyError` if pairs and curves, two independent counts, differ at a threshold.
 
     Parameters
     ----------
@@ -117,14 +117,14 @@ def require_agreement(
     curves
         See `tusqh.topology.topology.Topology.curves`.
     dimensions
-        Those to compare, see `paired_dimensions`.
+        Dimensions to compare, see `paired_dimensions`.
     name
         The model, for the message.
 
     Raises
     ------
     TopologyError
-        They differ, which is a fault of tusqh or gudhi.
+        The two differ, which is a fault of tusqh or gudhi.
     """
     by_pairs = count_alive(pairs, curves["upper"].to_numpy())[:, dimensions]
     by_curves = curves[[f"betti_{k}" for k in dimensions]].to_numpy()
@@ -141,7 +141,7 @@ def require_agreement(
 
 
 def betti_at(curves: pd.DataFrame, threshold: float) -> BettiNumbers:
-    """Return the Betti numbers of the plateau that holds a threshold in (0, 1].
+    """Return the Betti numbers of the plateau that contains a threshold in (0, 1].
 
     Parameters
     ----------
@@ -155,9 +155,9 @@ def betti_at(curves: pd.DataFrame, threshold: float) -> BettiNumbers:
 
 
 def pair_by_gudhi(multiples: Multiples) -> pd.DataFrame:
-    """Return the pairs of dimension 0 and 1, those born and dead at one fraction included.
+    """Return the pairs of dimension 0 and 1, including those with equal birth and death.
 
-    Triangles are enough for them, so no tetrahedron is stored.
+    Triangles suffice for these dimensions, so no tetrahedron is stored.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ def pair_by_gudhi(multiples: Multiples) -> pd.DataFrame:
     for k, simplices in enumerate(filtration.simplices[:3]):
         if len(simplices):
             tree.insert_batch(simplices.T.astype(np.int32), -filtration.simplex_values(k))
-    # gudhi leaves out the highest dimension of the complex unless it is asked for.
+    # gudhi leaves out the highest dimension of the complex unless `persistence_dim_max` is set.
     is_flat = len(filtration.simplices[2]) == 0
     tree.compute_persistence(
         homology_coeff_field=2,

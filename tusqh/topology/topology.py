@@ -1,4 +1,4 @@
-"""The topology of volume fractions at every threshold, made once from the exact multiples."""
+"""The topology of volume fractions at every threshold, computed from the exact multiples."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ from tusqh.topology.union_find import Merges, merge_components
 class Topology:
     """The topology of the filtration; each property is computed once, when first needed.
 
-    Two passes of union-find give everything but the pairs of dimension 1 in 3D and those of 2D,
-    which gudhi finds.
+    Two passes of union-find give everything except the pairs of dimension 1 in 3D and the pairs in
+    2D, which gudhi finds.
 
     Parameters
     ----------
     multiples
         Fractions on the doubled grid as multiples of `RESOLUTION`, shape ``2 n + 1``, int32;
-        below 0 and above 1 / `RESOLUTION` they count as these.
+        they are clamped to the range from 0 to 1 / `RESOLUTION`.
     n_cells
-        A 3D grid of more cells gets no pairs of dimension 1 (the curves still count them).
+        A 3D grid of more cells has no pairs of dimension 1 (the curves still count the classes).
 
     Examples
     --------
-    Two cells that only their vertex joins: the younger component dies when it enters.
+    Only a vertex joins the two cells, so the younger component dies when the vertex enters.
 
     >>> fractions = np.zeros((5, 5))
     >>> fractions[1, 1], fractions[3, 3], fractions[2, 2] = 1.0, 0.75, 0.5
@@ -79,7 +79,7 @@ class Topology:
         multiples
             See `Topology`.
         curves, pairs
-            Tables of the properties with these names, for instance as read from files.
+            Tables of the properties with these names, read from files for instance.
         """
         topology = cls(multiples)
         topology.__dict__.update(curves=curves, pairs=pairs)
@@ -92,19 +92,19 @@ class Topology:
 
     @cached_property
     def pairs(self) -> pd.DataFrame:
-        """Pairs that live over a range of thresholds, and the classes that never die.
+        """Pairs with positive persistence, including classes that never die.
 
-        One row per pair, sorted: `dimension`; `birth` and `death`, the fractions at which the
-        class appears and disappears as the threshold falls (death is 0 for classes that are
-        still there at every threshold above 0, and `essential` is then True); `persistence` =
-        birth - death; `birth_place` and `death_place`, the flat index into the doubled grid of
-        the cell, edge or vertex that creates and destroys the class (-1 where nothing does).
+        There is one row per pair, sorted: `dimension`; `birth` and `death`, the fractions at which
+        the class appears and disappears as the threshold falls (death is 0 for classes that remain
+        at every threshold above 0, and `essential` is then True); `persistence` = birth - death;
+        `birth_place` and `death_place`, the flat indices into the doubled grid of the cells, edges
+        or vertices that create and destroy the class (-1 if nothing does).
         """
         return self.all_pairs[self.all_pairs["persistence"] > 0].reset_index(drop=True)
 
     @cached_property
     def all_pairs(self) -> pd.DataFrame:
-        """The pairs, with those of gudhi that are born and die at one fraction."""
+        """The pairs, including those from gudhi with equal birth and death."""
         if self.multiples.ndim == 2:
             return pair_by_gudhi(self.multiples)
         if 1 not in self.dimensions:
@@ -114,12 +114,12 @@ class Topology:
 
     @cached_property
     def outer_pairs(self) -> pd.DataFrame:
-        """Pairs of the lowest and the highest dimension, by union-find alone."""
+        """Pairs of the lowest and the highest dimension, from union-find alone."""
         return outer_pairs(self._nodes, self._kept, self._empty)
 
     @cached_property
     def diagonal(self) -> pd.DataFrame:
-        """Number of `pairs` that live over no range of thresholds, by `dimension` and `birth`."""
+        """Number of pairs with persistence 0, by `dimension` and `birth`."""
         pairs = self.all_pairs
         numbers = pairs[pairs["persistence"] == 0].groupby(["dimension", "birth"]).size()
         return numbers.reset_index(name="pairs")
@@ -143,7 +143,7 @@ class Topology:
         return betti_at(self.curves, threshold)
 
     def require_agreement(self, *, name: str) -> None:
-        """Raise an error when pairs and curves, two independent counts, differ.
+        """Raise an error if pairs and curves, two independent counts, differ.
 
         Parameters
         ----------

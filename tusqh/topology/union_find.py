@@ -1,8 +1,8 @@
-"""Components of the filtration and how they merge, by one union-find over its cells.
+"""Track how the components of the filtration merge, by one union-find over its cells.
 
 Cells, their faces, and the links at edges and vertices (`tusqh.topology.vertex_links`) are added
 in decreasing order of their multiples.  When two components meet, the younger one dies (the elder
-rule); of equally old components the one with the lower cell is the elder.
+rule); if both are equally old, the one with the lower cell is the elder.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ NEVER = -1
 
 
 class Merges(NamedTuple):
-    """The persistence pairs of components, without those born and dead at one level.
+    """The persistence pairs of components, without those with equal birth and death.
 
     Parameters
     ----------
     birth, death
         Multiples at which each component appears and merges into an older one, shape (n,); death
-        is 0 for those that never merge.
+        is 0 for components that never merge.
     birth_place, death_place
-        Flat places on the doubled grid of the cell, and of the cell, edge or vertex, that do it,
-        shape (n,); `NEVER` for components that never merge.
+        Flat places on the doubled grid of the cell that creates each component, and of the cell,
+        edge or vertex that merges it, shape (n,); `NEVER` for components that never merge.
     """
 
     birth: IntArray
@@ -48,7 +48,7 @@ class _Forest(NamedTuple):
     Parameters
     ----------
     parent
-        Parent of every cell, itself for a root, -1 for cells not present yet, shape (n,).
+        Parent of every cell, the cell itself for a root, -1 for cells not yet present, shape (n,).
     cells
         Multiple of every cell, shape (n,).
     shape
@@ -71,7 +71,7 @@ def merge_components(nodes: Multiples) -> Merges:
 
     Examples
     --------
-    Two cells that only a vertex joins:
+    Only a vertex joins these two cells:
 
     >>> nodes = np.zeros((5, 5), dtype=np.int32)
     >>> nodes[1, 1], nodes[3, 3], nodes[2, 2] = 4, 3, 2
@@ -88,7 +88,7 @@ def merge_components(nodes: Multiples) -> Merges:
 
 @numba.njit(cache=True)
 def _order(cells):  # type: ignore[no-untyped-def]
-    """Return the cells with multiples above 0, the largest multiple first (a counting sort)."""
+    """Return the cells with multiples above 0 in descending order, by a counting sort."""
     start = np.zeros(FULL + 3, dtype=np.int64)
     for multiple in cells:
         start[FULL + 2 - multiple] += 1
@@ -140,7 +140,7 @@ def _union_find(cells, shape, order, links, link_order):  # type: ignore[no-unty
 
 @numba.njit(cache=True)
 def _merge(forest, a, b, level, place, found, n):  # type: ignore[no-untyped-def]
-    """Join the components of two cells at a level; record the death of the younger one."""
+    """Join the components of two cells at a level, and record the death of the younger one."""
     parent, cells = forest.parent, forest.cells
     a, b = _root(parent, a), _root(parent, b)
     if a == b:
@@ -164,7 +164,7 @@ def _root(parent, cell):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True)
 def _place_of(cell, shape):  # type: ignore[no-untyped-def]
-    """Return the flat place on the doubled grid of a cell, given its flat number."""
+    """Return the flat place of a cell on the doubled grid, given its flat number."""
     place, stride = 0, 1
     for axis in range(len(shape) - 1, -1, -1):
         place += (2 * (cell % shape[axis]) + 1) * stride
@@ -175,7 +175,7 @@ def _place_of(cell, shape):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True)
 def _record(found, n, birth, death, birth_place, death_place):  # type: ignore[no-untyped-def]
-    """Return the table with one more column, and the number of its columns."""
+    """Return the table with a further column, and its number of columns."""
     if n == found.shape[1]:
         longer = np.empty((4, 2 * n), dtype=np.int64)
         longer[:, :n] = found

@@ -1,10 +1,9 @@
-"""Links: the joins between cells that edges and vertices make.
+"""Find links: the joins between cells that edges and vertices make.
 
-Components of the filtration need no nodes but cells.  A clamped vertex (or edge) never appears
-before the largest cell around it, and a cell that has a larger neighbour across a face is joined
-to it as soon as it appears.  So of all the joins that a vertex makes, only those between the
-*local maxima* of the cells around it matter: each of these but the largest is linked to the
-largest one.
+Cells are the only nodes that the components of the filtration need.  A clamped vertex (or edge)
+never appears before the largest cell around it, and a cell with a larger neighbour across a face is
+joined to it as soon as it appears.  So of all the joins that a vertex makes, only those between the
+*local maxima* among the cells around it matter: each local maximum is linked to the largest one.
 """
 
 from __future__ import annotations
@@ -20,12 +19,12 @@ from tusqh.sampling.doubled_grid import Multiples
 
 #: Numbers of the neighbours across faces of the four cells around an edge; bits are axes.
 _AROUND_EDGE = np.array([[c ^ 1, c ^ 2] for c in range(4)])
-#: The same of the eight cells around a vertex.
+#: The same for the eight cells around a vertex.
 _AROUND_VERTEX = np.array([[c ^ 1, c ^ 2, c ^ 4] for c in range(8)])
 
 
 class Links(NamedTuple):
-    """Joins between cells, in the order of their places; all arrays int32 of shape (m,).
+    """Joins between cells, in the order of their places; all arrays are int32 of shape (m,).
 
     Parameters
     ----------
@@ -34,8 +33,8 @@ class Links(NamedTuple):
     cell, other
         Flat numbers of the cells.
     place
-        Flat place on the doubled grid of the node that appears last and so joins them: the edge
-        or vertex, or `cell`.
+        Flat place on the doubled grid of the node that appears last and joins them: the edge or
+        vertex, or `cell`.
     """
 
     level: NDArray[np.int32]
@@ -63,9 +62,9 @@ def find_links(nodes: Multiples) -> Links:
 
 @numba.njit(cache=True)
 def _list_links(nodes, links):  # type: ignore[no-untyped-def]
-    """Write the links, one column each, if there is room for them; return their number."""
+    """Write the links, one column each, if there is room for them, and return their number."""
     n_x, n_y, n_z = nodes.shape
-    # Multiple, number and place of each cell around a place.
+    # The rows are the multiple, number and place of each cell around a place.
     around = np.empty((3, 8), dtype=np.int64)
     n = 0
     for i in range(1, n_x - 1):
@@ -79,7 +78,7 @@ def _list_links(nodes, links):  # type: ignore[no-untyped-def]
                     for y in range(j - 1 + odd_j, j + 2 - odd_j, 2):
                         for z in range(k - 1 + odd_k, k + 2 - odd_k, 2):
                             low, high = min(low, nodes[x, y, z]), max(high, nodes[x, y, z])
-                if low == high or nodes[i, j, k] == 0:  # One local maximum, or no node.
+                if low == high or nodes[i, j, k] == 0:  # There is one local maximum, or no node.
                     continue
                 m = 0
                 for z in range(k - 1 + odd_k, k + 2 - odd_k, 2):
@@ -97,7 +96,7 @@ def _list_links(nodes, links):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True)
 def _link(around, neighbours, multiple, place, links, n):  # type: ignore[no-untyped-def]
-    """Link the local maxima around a place to the largest one; return the number of links."""
+    """Link the local maxima around a place to the largest one, and return the number of links."""
     multiples = around[0]
     top = 0
     for a in range(1, len(multiples)):
@@ -109,7 +108,7 @@ def _link(around, neighbours, multiple, place, links, n):  # type: ignore[no-unt
             continue
         is_local_maximum = True
         for b in neighbours[a]:
-            # Of equal cells the earlier one counts as the larger one.
+            # If two cells are equal, the earlier one counts as larger.
             if multiples[b] > multiples[a] or (multiples[b] == multiples[a] and b < a):
                 is_local_maximum = False
         if is_local_maximum:
