@@ -1,1 +1,1 @@
-"""Speed and memory as ratios to named alternatives, measured in the same run."""
+"""Measure speed and memory as ratios to named alternatives in the same run."""

@@ -1,8 +1,8 @@
 """Slider steps of an explorer in software rendering: ``python -m benchmarks.explorer``.
 
-Each case is opened from disk in headless Chromium.  A step is a jump to a plateau far away;
-`script` is the time that its code takes, `all` ends when the pixels can be read back, drawing by
-the processor included.  White noise has a face between nearly all cells and is the worst case.
+Each case is opened from disk in headless Chromium.  A step is a jump to a distant plateau; `script`
+is the time that its code takes, and `all` also includes drawing by the processor, until the pixels
+can be read back.  White noise has a face between nearly all cells and is the worst case.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def main() -> None:
 
 
 def _with_noise(subject: Subject, name: str, sigma: float, n: int = 60) -> Subject:
-    """Return a subject whose field is noise of 64 levels; its mesh stays as it is."""
+    """Return a subject whose field is noise of 64 levels; its mesh does not change."""
     field = ndimage.gaussian_filter(np.random.default_rng(0).random((2 * n + 1,) * 3), sigma)
     ranks = field.ravel().argsort().argsort().reshape(field.shape)
     grid = BackgroundGrid(shape=(n,) * 3, cell_size=1.0, origin=(0.0, 0.0, 0.0))
@@ -111,7 +111,7 @@ def _measure(browser: Browser, subject: Subject, folder: Path) -> dict[str, obje
     page.goto(path.as_uri())
     page.wait_for_selector("body[data-ready]")
     page.wait_for_timeout(500)
-    page.evaluate(_STEP, 5)  # Compiles.
+    page.evaluate(_STEP, 5)  # Compile before measuring.
     script, everything = zip(*page.evaluate(_STEP, STEPS), strict=True)
     row = {
         "case": subject.name,

@@ -1,4 +1,4 @@
-"""Time and peak memory of a call, each in a fresh process of its own."""
+"""Measure the time and peak memory of a call in a fresh process."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FIELDS += ["other_peak_gb"]
 
 
 class Cost(NamedTuple):
-    """Wall-clock seconds, and peak resident memory above that before the call, in GB."""
+    """Wall-clock time in seconds, and the increase of peak resident memory in the call, in GB."""
 
     seconds: float
     peak_gb: float
@@ -27,9 +27,9 @@ class Cost(NamedTuple):
 def measure(
     prepare: Callable[..., Any], call: Callable[[Any], Any], warm_up: Any, *arguments: Any
 ) -> Cost:
-    """Return what ``call(prepare(*arguments))`` costs, without `prepare`.
+    """Return the cost of ``call(prepare(*arguments))`` without that of `prepare`.
 
-    `call` is run on ``prepare(*warm_up)`` before, so that no compilation is measured.
+    `call` first runs on ``prepare(*warm_up)``, so that no compilation is measured.
     """
     context = multiprocessing.get_context("spawn")
     receiver, sender = context.Pipe(duplex=False)
@@ -59,7 +59,7 @@ def compare(case: str, cells: int, ours: Cost, other: str = "", cost: Cost | Non
 
 
 def growth(rows: list[dict]) -> float:
-    """Return the exponent with which our seconds grow with the cells, by least squares."""
+    """Return the exponent of the growth of our time with the number of cells, by least squares."""
     cells, seconds = np.log([[row["cells"], row["ours_seconds"]] for row in rows]).T
     return float(np.polyfit(cells, seconds, 1)[0])
 

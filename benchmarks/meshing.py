@@ -69,7 +69,7 @@ def mesh_automesh(fractions: VolumeFractions) -> object:
 
 
 def check_ours(mesh: VolumeMesh) -> object:
-    """Run every check of a mesh that the verification table quotes."""
+    """Run every check of a mesh that the verification table reports."""
     measured = measure_mesh(mesh)
     return (
         measured.checks,

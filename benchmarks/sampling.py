@@ -35,7 +35,7 @@ from tusqh.tables import write_csv
 
 RESULT = Path("results/benchmarks/sampling.csv")
 SAMPLES, REPEATS, CELLS = 4, 5, 2000
-#: Samples that libigl is timed on, by dimension.
+#: Number of samples on which libigl is timed, by dimension.
 SUBSET = {2: 30_000, 3: 400_000}
 BUNNY = "package:pymeshlab/tests/sample_meshes/bunny.obj"
 COLUMNS = ["model", "n", "s", "ours_seconds", "other", "other_seconds", "ratio", "max_error"]
@@ -77,7 +77,7 @@ def damaged_bunny() -> Soup:
 
 
 def exploded_bunny() -> Soup:
-    """Return the bunny with every triangle shrunk by a tenth: every edge is a boundary."""
+    """Return the bunny with every triangle shrunk by a tenth, so that every edge is a boundary."""
     bunny = read_file(locate(BUNNY)).geometry
     assert isinstance(bunny, Soup)
     corners = bunny.points[bunny.triangles]
@@ -87,7 +87,7 @@ def exploded_bunny() -> Soup:
 
 
 def loose_sheets() -> Soup:
-    """Return 1,500 parallelograms that lie across one another at random."""
+    """Return 1,500 randomly placed parallelograms that cross one another."""
     rng = np.random.default_rng(1)
     start = rng.random((1500, 1, 3))
     u, v = rng.normal(size=(2, 1500, 1, 3)) * 0.1
@@ -136,7 +136,7 @@ def main() -> None:
 
 def _compare(name: str, n: int, required_ratio: float, required_error: float) -> dict:
     geometry, grid = prepare(name, n)
-    sample((geometry, grid))  # Compiles what this kind of geometry needs.
+    sample((geometry, grid))  # Compile what this kind of geometry needs.
     seconds = []
     for _ in range(REPEATS):
         start = time.perf_counter()
@@ -163,7 +163,7 @@ def _compare(name: str, n: int, required_ratio: float, required_error: float) ->
 
 
 def _grow(largest: int) -> list[dict]:
-    """Return rows of the bunny at growing sizes, in a process of its own each."""
+    """Return rows for the bunny at growing sizes, each measured in a separate process."""
     rows = []
     for n in (n for n in (64, 128, 256, 512) if n <= largest):
         cost = measure(prepare, sample, ("bunny", 8), "bunny", n)
@@ -182,7 +182,7 @@ def _print(row: dict) -> dict:
 
 
 def _rate_of_libigl(geometry: Geometry, grid: BackgroundGrid) -> float:
-    """Return samples per second, the time to build its tree left out: medians of three."""
+    """Return the median of three rates in samples per second, without building the tree."""
     rng = np.random.default_rng(0)
     queries = grid.to_points(rng.random((SUBSET[grid.dim], grid.dim)) * np.array(grid.shape))
     if isinstance(geometry, Outline):

@@ -1,8 +1,8 @@
 """Betti curves and diagrams against gudhi: ``python -m benchmarks.topology``.
 
-The field is white noise on the doubled grid, the hardest case: nearly every node has a level of
-its own.  `gudhi simplicial` builds the paper's complex, all simplices of it, and pairs it;
-`gudhi cubical` pairs the cells alone, without sub-cells: another complex, for orientation.
+The field is white noise on the doubled grid, which is the hardest case, because nearly every node
+has its own level.  `gudhi simplicial` builds and pairs the paper's complex with all its simplices;
+`gudhi cubical` pairs the cells without sub-cells, a different complex that serves as a reference.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""An extension of the reference: doctests become examples, and names of tusqh become links."""
+"""Extend the reference: turn doctests into examples, and names of tusqh into links."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import griffe
 
 _HEADING = "\n\nExamples\n--------\n"
 
-#: A name of the library in back-ticks.  The strict build fails where such a link leads nowhere.
+#: A name of the library in back-ticks.  The strict build fails if such a link leads nowhere.
 _NAME = re.compile(r"(?<!\[)`(tusqh(?:\.\w+)+)`")
 
 

@@ -1,6 +1,6 @@
 """Draw the pictures of the documentation into docs/images: ``python docs/pictures.py``.
 
-Everything in them is computed: the meshes by `tusqh.mesh`, the numbers on them by the library.
+Everything in them is computed: `tusqh.mesh` makes the meshes, the library computes the numbers.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from tusqh.meshes.volume_mesh import VolumeMesh
 ROOT = Path(__file__).parent.parent
 FOLDER = Path(__file__).parent / "images"
 
-#: Edges of elements in pictures of solids.
+#: Look of the elements' edges in pictures of solids.
 _EDGES = {"show_edges": True, "edge_color": "#7090a0", "line_width": 0.3}
 
 
 def broken_ring() -> Outline:
-    """Return the outline of the pages on thresholds: a ring with a thin place, beside it a dot."""
+    """Return the outline of the pages on thresholds: a ring with a thin place, and a dot."""
     turn = np.linspace(0, 2 * np.pi, 90)
     ring = np.column_stack([np.cos(turn), np.sin(turn)])
-    # The hole is off the centre, so that the ring is thin on its right.
+    # The hole is off-centre, so that the ring is thin on its right.
     inside = 0.66 * ring[::-1] + [0.24, 0.05]
     dot = 0.2 * ring + [1.42, -0.75]
     return Outline.from_chains([ring, inside, dot], name="ring")
@@ -105,7 +105,7 @@ def draw_curves() -> Figure:
 
 
 def draw_bearing() -> Figure:
-    """Draw the bearing of the examples at a threshold of 1/2 and as it should be, cut open."""
+    """Draw the bearing of the examples, cut open, at the threshold 1/2 and as it should be."""
     sys.path.insert(0, str(ROOT / "examples"))
     import bearing
 

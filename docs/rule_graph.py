@@ -15,10 +15,10 @@ from tusqh.figures import style
 
 ROOT = Path(__file__).parent.parent
 
-#: Rules that nearly every other rule leads to; drawn without them, the graph is readable.
+#: Rules to which nearly every other rule leads; without them the graph is readable.
 _SINKS = ("all", "models", "crate", "results_page", "claims", "overview")
 
-#: Colours of the files in `workflow/rules`; the rest is grey.
+#: Colours of the files in `workflow/rules`; other files are grey.
 _COLOURS = {
     "ingest": "#cde7f7",
     "sample": "#cde7f7",
@@ -37,7 +37,7 @@ _COLOURS = {
 
 
 def read_rules() -> nx.DiGraph:
-    """Return the graph of rules; an edge leads from the rule that writes a file to its reader."""
+    """Return the graph of rules; an edge leads from the writer of a file to its reader."""
     command = [sys.executable, "-m", "snakemake", "--rulegraph"]
     dot = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     names = dict(re.findall(r'(\d+)\[label = "(\w+)"', dot))
@@ -73,7 +73,7 @@ def _place(graph: nx.DiGraph) -> dict[str, tuple[float, float]]:
 
 
 def draw_rules() -> Figure:
-    """Draw the rules in columns from left to right, with the edges that others do not imply."""
+    """Draw the rules in columns from left to right, without edges that others imply."""
     graph = read_rules()
     graph.remove_nodes_from([name for name in _SINKS if name in graph])
     homes = home_of_rules()

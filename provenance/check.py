@@ -1,4 +1,4 @@
-"""Checks of records against each other and against the steps that the workflow would run today."""
+"""Check records against each other and against the steps that the workflow would run today."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def _missing_record(plan: Plan, step: Step) -> Finding:
 
 
 def _check_plan(plan: Plan, step: Step, record: Record) -> Iterator[Finding]:
-    """Compare the rule, files and parameters of a step with those it would have today."""
+    """Compare the rule, files and parameters of a step with those of today's plan."""
     parts: dict[str, tuple[Any, Any]] = {
         "step": (record.what["step"], step.rule),
         "model": (record.what["model"], step.model),
@@ -104,7 +104,7 @@ def _check_plan(plan: Plan, step: Step, record: Record) -> Iterator[Finding]:
 
 
 def _check_code(plan: Plan, step: Step, record: Record) -> Iterator[Finding]:
-    """Compare the code behind a step with that of today."""
+    """Compare the recorded code of a step with today's code."""
     if record.what["code"] == step.code:
         return
     was = read_code_list(str(record.what["code"].get("sha256")))
@@ -127,7 +127,7 @@ def _check_code(plan: Plan, step: Step, record: Record) -> Iterator[Finding]:
 def _check_environment(
     plan: Plan, step: Step, record: Record, versions: dict[str, str]
 ) -> Iterator[Finding]:
-    """Compare the packages that a step ran with and those installed now."""
+    """Compare the packages with which a step ran with those installed now."""
     if record.what["environment"] == environment_fingerprint(versions):
         return
     was = record.how.get("versions", {})
@@ -146,7 +146,7 @@ def _check_environment(
 
 
 def _check_left_over(plan: Plan, records: dict[str, Record], digests: Digests) -> Iterator[Finding]:
-    """Examine records of steps that the workflow does not have today."""
+    """Examine records of steps that the workflow no longer has."""
     needed = {path for step in plan.steps.values() for path in step.inputs}
     for key in sorted(records.keys() - plan.steps.keys()):
         inputs = records[key].inputs
@@ -181,7 +181,7 @@ def _flatten(value: Any, name: str = "") -> dict[str, Any]:
 
 
 def _show_difference(one: Any, other: Any) -> str:
-    """Return the items of a list that another list lacks, or a value that is not a list."""
+    """Return the items of a list that another list lacks; other values do not change."""
     if isinstance(one, list) and isinstance(other, list):
         own = [item for item in one if item not in other]
         return ", ".join(own[:3]) + (" ..." if len(own) > 3 else "") if own else "none of these"

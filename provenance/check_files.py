@@ -1,4 +1,4 @@
-"""Checks of the files that steps read and wrote against their records."""
+"""Check the files that steps read and wrote against their records."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MISSING = "the file does not exist"
 
 @dataclass(frozen=True)
 class FileCheck:
-    """Checks of files against records.
+    """Check files against records.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ class FileCheck:
         return path == str(REGISTER) or Path(path).resolve().is_relative_to(workflow)
 
     def _check_size(self, step: Step, entry: dict[str, Any]) -> Iterator[Finding]:
-        """Compare the size of a file whose digest is right with a record."""
+        """Compare the size of a file that has the right digest with a record."""
         size = locate(entry["path"]).stat().st_size
         if entry["size"] != size:
             yield Finding(

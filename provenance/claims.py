@@ -1,4 +1,4 @@
-"""Claims of the paper and of this project, each decided by one statistic of one table.
+"""Evaluate claims of the paper and of this project; one statistic of one table decides each.
 
 Each claim declares the status that `tusqh lock` accepted.  A refuted claim is a result; a claim
 whose status changes is a difference.
@@ -87,22 +87,23 @@ def load_claims(path: Path, schema_path: Path) -> list[Claim]:
 
 
 def evaluate_claims(claims: list[Claim], folder: Path, *, tables: Collection[str]) -> pd.DataFrame:
-    """Return one row per claim with the status that its table gives it today.
+    """Return one row per claim with its current status according to its table.
 
     Parameters
     ----------
     claims
         The claims, see `load_claims`.
     folder
-        The folder that the names of tables are relative to.
+        The folder to which the names of tables are relative.
     tables
         The tables that exist; claims about others cannot be tested.
 
     Returns
     -------
     pandas.DataFrame
-        With `CLAIM_COLUMNS`.  ``found`` and ``expected`` are JSON.  ``margin`` is the distance
-        to being refuted in units of the column, negative for a refuted claim, empty for texts.
+        A table with `CLAIM_COLUMNS`.  ``found`` and ``expected`` are JSON.  ``margin`` is the
+        distance to refutation in units of the column; it is negative for a refuted claim and empty
+        for texts.
 
     Raises
     ------
@@ -115,7 +116,7 @@ def evaluate_claims(claims: list[Claim], folder: Path, *, tables: Collection[str
 
 
 def changed_claims(evaluated: pd.DataFrame, *, tables: Collection[str]) -> pd.DataFrame:
-    """Return the rows of claims whose status is not the one that they declare as accepted.
+    """Return the rows of claims whose status differs from the accepted one.
 
     A configuration without the paper's models lacks tables or rows that claims need.  Unless all
     tables exist, a claim that cannot be tested counts as unchanged.
@@ -189,7 +190,7 @@ def _take(statistic: str, column: Any) -> float | bool | str:
 
 
 def _compare(found: Any, relation: str, expected: Any, tolerance: float) -> tuple[bool, float]:
-    """Return whether a relation holds, and the distance to where it ceases to hold.
+    """Return whether a relation holds, and the distance to the point where it ceases to hold.
 
     >>> _compare(0.5, "<=", 0.4, 0.2)
     (True, 0.1)

@@ -1,13 +1,13 @@
-"""A fingerprint of the code behind a step: its script and the modules of this project it imports.
+"""Compute a fingerprint of the code of a step: its script and the project modules it imports.
 
 Snakemake does not notice an edit inside an imported package.  The fingerprint is a parameter of
-each rule, so a constant that changes three imports deep reruns the steps that reach it; a comment,
-a docstring or a new layout reruns none.
+each rule, so changing a constant three imports deep reruns the steps that reach it, whereas a
+comment, a docstring or a new layout reruns none.
 
-The imports are followed here and not by a library such as grimp, because grimp's graph has one
-node per module: it does not tell imports that a package runs on import from those inside a
-function, and omits data files next to modules and modules next to a script.  With it, a
-change would rerun steps that do not depend on it.
+This module follows the imports itself instead of using a library such as grimp, whose graph has one
+node per module: it does not distinguish imports that a package runs on import from those inside a
+function, and omits data files next to modules and modules next to a script.  With grimp, a change
+would rerun steps that do not depend on it.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ PACKAGES = ("tusqh", "studies", "provenance")
 
 #: Strings that can name a file or folder next to a module.
 _FILE_NAME = re.compile(r"\w[\w.-]*(/[\w.-]+)*")
-#: Fields without a meaning at run time; `ctx` follows from the position.
+#: Fields that have no meaning at run time; `ctx` follows from the position.
 _IGNORED_FIELDS = {"ctx", "kind", "type_comment", "type_ignores"}
 
 
@@ -51,8 +51,8 @@ def workflow_digest(files: Iterable[Path]) -> str:
     Parameters
     ----------
     files
-        Python scripts, whose docstrings and layout do not count either, and files in the language
-        of Snakemake.
+        Python scripts, whose docstrings and layout are also ignored, and files in the language of
+        Snakemake.
     """
     return hash_value([_workflow_file_digest(path) for path in files])
 
@@ -86,25 +86,25 @@ def list_code(script: str, *, base: Path, folder: Path) -> None:
 
 
 def code_files(script: str, *, base: Path) -> dict[str, str]:
-    """Return the files of this project that a script runs, each with a digest.
+    """Return the files of this project on which a script depends, each with a digest.
 
-    All imports of a module count, also those inside functions.  Of a package that contains an
-    imported module, only those count that its ``__init__`` runs on import.  A string that names a
-    file next to its module (a schema, a template) is a dependency on that file.
+    All imports of a module count, including those inside functions.  For a package that contains an
+    imported module, only the imports that its ``__init__`` runs on import count.  A string that
+    names a file next to its module (a schema, a template) is a dependency on that file.
 
     Parameters
     ----------
     script
-        The script of a rule, as ``workflow/scripts/mesh.py``; modules next to it belong to the
-        project as well.
+        The script of a rule, such as ``workflow/scripts/mesh.py``; modules next to it also belong
+        to the project.
     base
         The checkout.
 
     Returns
     -------
     dict
-        The SHA-256 by path, such as ``tusqh/grid.py``: of the syntax tree without docstrings and
-        positions for Python, of the bytes for other files.
+        The SHA-256 by path, such as ``tusqh/grid.py``.  For Python it is computed from the syntax
+        tree without docstrings and positions, for other files from the bytes.
     """
     base = base.resolve()
     own = base / script
@@ -126,7 +126,7 @@ def _label(path: Path, base: Path) -> str:
 
 
 class _Source:
-    """One file of the project: its digest and what it depends on."""
+    """One file of the project, with its digest and dependencies."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -135,7 +135,7 @@ class _Source:
         self.known: dict[tuple[Path, bool], list[tuple[Path, bool]]] = {}
 
     def dependencies(self, scripts: Path, whole: bool) -> list[tuple[Path, bool]]:
-        """Return files, each with whether all of its imports count or only those run on import."""
+        """Return the dependencies, and whether all their imports count or only those on import."""
         if (scripts, whole) not in self.known:
             self.known[scripts, whole] = self._find(scripts, whole)
         return self.known[scripts, whole]
@@ -197,7 +197,7 @@ class _Source:
 
 
 def _version(path: Path) -> tuple[Path, int, int]:
-    """Return a path with size and time of change, so that `_read` reads an edited file again."""
+    """Return a path with its size and modification time, so that `_read` rereads an edited file."""
     state = path.stat()
     return path, state.st_size, state.st_mtime_ns
 
@@ -208,7 +208,7 @@ def _read(path: Path, size: int, modified: int) -> _Source:
 
 
 def _module(name: str, scripts: Path) -> list[tuple[Path, bool]]:
-    """Return the files that run when a module of the project is imported, its own last."""
+    """Return the files that run when a module of the project is imported; its own file is last."""
     parts = name.split(".")
     root = PACKAGE_ROOT if parts[0] in PACKAGES else scripts
     *parents, own = [root.joinpath(*parts[:k]) for k in range(1, len(parts) + 1)]
@@ -220,7 +220,7 @@ def _module(name: str, scripts: Path) -> list[tuple[Path, bool]]:
 
 
 def _nodes(tree: ast.AST, *, into_functions: bool) -> Iterator[ast.AST]:
-    """Walk a syntax tree without docstrings and blocks for type checkers only."""
+    """Walk a syntax tree, skipping docstrings and blocks for type checkers."""
     for node in ast.iter_child_nodes(tree):
         if _is_docstring(node):
             continue
@@ -244,7 +244,7 @@ def _digest(tree: ast.AST) -> str:
 
 
 def _to_text(node: object) -> str:
-    """Return a syntax tree as text that does not depend on the version of Python.
+    """Return a syntax tree as text that is independent of the Python version.
 
     `ast.dump` lists fields that are empty in one version and absent in another.
     """

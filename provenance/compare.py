@@ -1,4 +1,4 @@
-"""Comparison of the results with the lock, each output in its class of equality."""
+"""Compare the results with the lock, each output in its class of equality."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Reached:
 
 
 class Comparison:
-    """Results compared with a lock.
+    """Compare results with a lock.
 
     Outputs that differ from their record count as unknown here: `provenance.check` finds them.
 
@@ -119,7 +119,7 @@ class Comparison:
         return dict(entry) if entry else None
 
     def findings(self) -> Iterator[Finding]:
-        """Find outputs that differ from the lock, and steps that only one of both has."""
+        """Find outputs that differ from the lock, and steps that only one of the two has."""
         yield from self._notes()
         yield from self._find_missing()
         for key, step in self.plan.steps.items():
@@ -224,7 +224,7 @@ class Comparison:
 
 
 def _compare_content(path: Path, entry: dict[str, Any]) -> Reached:
-    """Compare a file with its content in the lock."""
+    """Compare the content of a file with that in the lock."""
     then, now = Content.from_dict(entry["content"]), read_content(path)
     if is_numerically_equal(now, then, entry["tolerance"]):
         return Reached(Equality.NUMERIC)

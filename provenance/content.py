@@ -1,7 +1,7 @@
 """The content of a file, independent of its encoding: compression, last digits, order of rows.
 
-A content consists of a skeleton (texts and whole numbers), which must be equal, and of real
-numbers, which may differ by a tolerance.  `provenance.read_content` reads it from a file.
+A content consists of a skeleton (texts and integers), which must be equal, and of real numbers,
+which may differ by a tolerance.  `provenance.read_content` reads it from a file.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ import numpy as np
 from tusqh.grid import FloatArray
 from tusqh.hashing import hash_value
 
-#: More numbers than this are summarised by a sketch.
+#: If there are more numbers than this, a sketch summarises them.
 MAX_NUMBERS = 20
 _N_SUMS = 2
-#: Digits that are stored; enough for the smallest tolerance in use.
+#: Number of stored digits, which suffices for the smallest tolerance in use.
 _DIGITS = 12
-#: A number with a decimal point or an exponent; whole numbers belong to the skeleton.
+#: A number with a decimal point or an exponent; integers belong to the skeleton.
 _REAL = re.compile(
     r"(?<![\w.])[-+]?(?:\d+\.\d*|\.\d+|\d+(?=[eE][-+]?\d))(?:[eE][-+]?\d+)?(?![\w.])"
 )
-#: Columns with this in their name hold relative errors, which are rounding errors in all digits:
-#: their differences are absolute.
+#: Columns with this word in their name hold relative errors, all of whose digits are rounding
+#: errors, so their differences are absolute.
 _ERROR = "error"
-#: Numbers below this part of the largest one of their column are zero up to rounding.
+#: Numbers below this fraction of the largest one in their column are zero up to rounding.
 _PART_OF_COLUMN = 1e-6
 
 
@@ -39,10 +39,10 @@ class Numbers:
     Parameters
     ----------
     values : (n,) float64
-        The numbers, or a sketch of them when there are more than `MAX_NUMBERS`.
+        The numbers, or a sketch of them if there are more than `MAX_NUMBERS`.
     scale
-        Differences are relative to the larger of this and the number itself.  It is the largest
-        number of a field, or a small part of the largest number of a column.
+        Differences are relative to the larger of this scale and the number itself.  The scale is
+        the largest number of a field, or a small fraction of the largest number of a column.
     """
 
     values: FloatArray
@@ -50,14 +50,14 @@ class Numbers:
 
     @staticmethod
     def of(values: FloatArray, *, part: float = 1.0) -> Numbers:
-        """Return numbers whose scale is a part of the largest finite one.
+        """Return numbers whose scale is a fraction of the largest finite number.
 
         Parameters
         ----------
         values
             The numbers.
         part
-            The part of the largest finite number that is the scale.
+            Ratio of the scale to the largest finite number.
         """
         flat = np.asarray(values, dtype=np.float64).ravel()
         largest = float(np.abs(flat[np.isfinite(flat)]).max(initial=0.0))
@@ -83,21 +83,21 @@ class Numbers:
 
 @dataclass(frozen=True)
 class Content:
-    """What a file says.
+    """The content of a file.
 
     Parameters
     ----------
     skeleton
-        SHA-256 of everything but real numbers: texts, whole numbers, connectivity.
+        SHA-256 of everything except real numbers: texts, integers, connectivity.
     numbers
-        The real numbers by column, field or the like.
+        The real numbers by column, field or similar name.
     """
 
     skeleton: str
     numbers: dict[str, Numbers]
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain values for JSON; infinities and NaN as texts."""
+        """Return plain values for JSON, with infinities and NaN as texts."""
         return {
             "skeleton": self.skeleton,
             "numbers": {
@@ -125,7 +125,7 @@ class Content:
         return Content(values["skeleton"], numbers)
 
     def difference(self, other: Content) -> tuple[float, str]:
-        """Return the largest relative difference and where it is, inf if texts differ.
+        """Return the largest relative difference and its place; inf if texts differ.
 
         Parameters
         ----------
@@ -135,7 +135,7 @@ class Content:
         Returns
         -------
         difference, place
-            The largest relative difference, and the name of the array or text where it is.
+            The largest relative difference, and the name of the array or text with it.
 
         Examples
         --------
@@ -152,11 +152,11 @@ class Content:
 
 
 def sketch(numbers: FloatArray) -> FloatArray:
-    """Return up to `MAX_NUMBERS` numbers unchanged, a summary of more.
+    """Return up to `MAX_NUMBERS` numbers unchanged, or a summary of more numbers.
 
-    The summary is the count, the range, and sums with fixed random signs.  It keeps the lock small:
-    a change of one number changes each sum by the same amount, and changes that cancel in one sum
-    hardly cancel in the other.
+    The summary consists of the count, the range, and sums with fixed random signs; it keeps the
+    lock small.  A change of one number changes each sum by the same amount, and changes that cancel
+    in one sum are unlikely to cancel in the other.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ def sketch(numbers: FloatArray) -> FloatArray:
 
 
 def _plain(number: float) -> float | str:
-    """Return a number rounded for the lock; infinities and NaN by name, as JSON lacks them."""
+    """Return a number rounded for the lock; infinities and NaN become text, as JSON lacks them."""
     return float(f"{number:.{_DIGITS}g}") if np.isfinite(number) else str(number)
 
 
@@ -214,7 +214,7 @@ def content_of_table(rows: list[list[str]]) -> Content:
 
 
 def content_of_arrays(arrays: dict[str, Any]) -> Content:
-    """Return the content of named arrays: real arrays are numbers, all others skeleton.
+    """Return the content of named arrays; real arrays are numbers, all others are skeleton.
 
     Parameters
     ----------
@@ -244,8 +244,8 @@ def content_of_text(text: str, *, is_scaled: bool) -> Content:
     text
         The text.
     is_scaled
-        Whether differences of real numbers are relative to the largest of them, otherwise each
-        to the number itself.
+        Whether differences of real numbers are relative to the largest number instead of the number
+        itself.
     """
     values = np.array([float(token) for token in _REAL.findall(text)], dtype=np.float64)
     numbers = Numbers.of(values, part=1.0 if is_scaled else 0.0)

@@ -1,4 +1,4 @@
-"""The results as a Workflow Run RO-Crate, for people and programs that do not know tusqh.
+"""Describe the results as a Workflow Run RO-Crate, for people and programs that do not know tusqh.
 
 https://www.researchobject.org/workflow-run-crate/profiles/provenance_run_crate (0.5).  The crate is
 made from the `what` records alone, so that it repeats byte for byte: times and hosts are in the
@@ -84,7 +84,7 @@ def make_crate(
     ]
     runs = [entities.run(key, record) for key, record in records.items()]
     controls = [entities.control(key, record) for key, record in records.items()]
-    # Some steps read the records of others, which are inside the crate and no sources.
+    # Some steps read the records of others, which are inside the crate and are not sources.
     sources = [entry for entry in others if not crate_ids.is_inside(entry["path"])]
     graph: list[Entity] = [
         entities.descriptor(),

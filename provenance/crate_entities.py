@@ -1,4 +1,4 @@
-"""The entities of the RO-Crate: one function for each kind, which returns its JSON-LD."""
+"""Make the entities of the RO-Crate, with one function for each kind that returns its JSON-LD."""
 
 from __future__ import annotations
 
@@ -193,9 +193,9 @@ def output(entry: dict[str, Any]) -> Entity:
 
 
 def source(entry: dict[str, Any], row: dict[str, str]) -> Entity:
-    """Return a source with its row of the register; it is not part of the crate.
+    """Return a source with its row of the register.
 
-    The licences of some sources do not allow to pass them on.
+    A source is not part of the crate, because the licences of some sources forbid redistribution.
 
     Parameters
     ----------
@@ -325,6 +325,6 @@ def _ids(entities: Iterable[Entity]) -> list[str]:
 
 
 def _refer(ids: Iterable[str]) -> Entity | list[Entity]:
-    """Return references; a single one is not in a list, as RO-Crate recommends."""
+    """Return references; as RO-Crate recommends, a single reference is not in a list."""
     references = [{"@id": name} for name in ids]
     return references[0] if len(references) == 1 else references

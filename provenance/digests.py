@@ -1,4 +1,4 @@
-"""Digests of files, each file read once."""
+"""Compute digests of files, reading each file once."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class Digests:
     """SHA-256 digests of the files in the current folder.
 
     Each file is read once, when its digest is first needed.  An instance belongs to one
-    verification: make a new one after files have changed.
+    verification, so make a new one after files have changed.
     """
 
     def __init__(self) -> None:

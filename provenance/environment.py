@@ -1,4 +1,4 @@
-"""The installed packages, Python and the platform that a step ran with."""
+"""Describe the installed packages, Python and the platform of a step."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _EXTRA = re.compile(r"extra == [\"']([\w-]+)[\"']")
 
 
 def installed_versions() -> dict[str, str]:
-    """Return the versions of tusqh, of its dependencies with `EXTRAS`, and of all they require.
+    """Return the versions of tusqh, its dependencies with `EXTRAS`, and all their requirements.
 
     Packages that are not installed, and optional dependencies of other packages, are omitted.
     """
@@ -40,7 +40,7 @@ def installed_versions() -> dict[str, str]:
 
 
 def _required_names(requirements: list[str], extras: tuple[str, ...]) -> list[str]:
-    """Return the names of required packages, those of other extras omitted.
+    """Return the names of required packages, without those of other extras.
 
     >>> _required_names(["numpy>=2.0", 'mfem>=4.7; extra == "simulate"'], ())
     ['numpy']

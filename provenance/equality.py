@@ -1,4 +1,4 @@
-"""Classes of equality: how equal two results must be."""
+"""Classes of equality, which state how closely two results must agree."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from tusqh.errors import ConfigError
 
 
 class Equality(StrEnum):
-    """Classes of equality, the strictest first."""
+    """Classes of equality, from the strictest to the weakest."""
 
     #: The same bytes.
     EXACT = "exact"
-    #: Equal texts and whole numbers; real numbers agree within a tolerance.
+    #: Texts and integers are equal, and real numbers agree within a tolerance.
     NUMERIC = "numeric"
-    #: Not compared, but made from equal inputs.
+    #: The results are not compared, but are made from equal inputs.
     UNCHECKED = "unchecked"
 
 
 @dataclass(frozen=True, kw_only=True)
 class EqualityRule:
-    """The class that results with some names must reach.
+    """The class that results with matching names must reach.
 
     Parameters
     ----------
@@ -46,12 +46,12 @@ class EqualityRule:
 
 
 class EqualityRules:
-    """The class of equality of every result; the first rule whose pattern fits decides.
+    """The class of equality of every result; the first rule with a matching pattern decides.
 
     Parameters
     ----------
     rules
-        Rules in the order in which they are tried.  A result that none fits must be exact.
+        Rules in the order in which they are tried.  A result that matches no rule must be exact.
 
     Examples
     --------
@@ -65,7 +65,7 @@ class EqualityRules:
 
     @classmethod
     def from_file(cls, path: Path) -> EqualityRules:
-        """Return the rules in a YAML file, no rules if the file does not exist.
+        """Return the rules in a YAML file, or no rules if the file does not exist.
 
         Parameters
         ----------
@@ -123,7 +123,7 @@ def is_numerically_equal(one: Content | None, other: Content | None, tolerance: 
 
 
 def weakest(classes: Iterable[Equality]) -> Equality:
-    """Return the weakest of some classes, exact when there are none.
+    """Return the weakest of some classes, or exact if there are none.
 
     Parameters
     ----------

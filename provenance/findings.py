@@ -8,7 +8,7 @@ from enum import IntEnum
 
 
 class Outcome(IntEnum):
-    """The meaning of a finding, and the exit code when it is the gravest."""
+    """The meaning of a finding, and the exit code if it is the gravest one."""
 
     SAME = 0
     DIFFERENT = 1
@@ -22,20 +22,20 @@ class Outcome(IntEnum):
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """One thing that a reader should know, and how to fix it.
+    """A fact that a reader should know, and how to fix it.
 
     Parameters
     ----------
     outcome
-        Its meaning; `Outcome.SAME` for a remark that does not affect the verdict.
+        Meaning of the finding; `Outcome.SAME` for a remark that does not affect the verdict.
     step
-        The step concerned, several after `merge`; empty when it concerns no step.
+        The step concerned, several steps after `merge`; empty if no step is concerned.
     file
-        The file, or the part of a record, that it concerns.
+        The file, or the part of a record, concerned.
     found, expected
-        What is there and what should be there.
+        The value found, and the value that should be there.
     remedy
-        The command that fixes it, or what to do.
+        The command or action that fixes it.
     """
 
     outcome: Outcome
@@ -47,7 +47,7 @@ class Finding:
 
 
 def verdict(findings: Iterable[Finding]) -> Outcome:
-    """Return different if any finding is, else cannot tell if any is, else same.
+    """Return the gravest outcome: different, then cannot tell, then same.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def verdict(findings: Iterable[Finding]) -> Outcome:
 
 
 def merge(findings: Iterable[Finding]) -> list[Finding]:
-    """Merge findings that are equal but for the step, and sort them, the gravest first.
+    """Merge findings that differ only in the step, and sort them, with the gravest first.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def merge(findings: Iterable[Finding]) -> list[Finding]:
     Returns
     -------
     list of Finding
-        Each with the steps that share it.
+        Merged findings, each with all its steps.
     """
     groups: dict[Finding, list[str]] = {}
     for finding in findings:

@@ -1,4 +1,4 @@
-"""The lock: the results that `tusqh lock` accepted.
+"""The lock, which describes the results that `tusqh lock` accepted.
 
 For each output it holds the digest, the class of equality that it must reach and, if real numbers
 are compared, its content.  Only `tusqh lock` changes it.
@@ -35,7 +35,7 @@ def make_lock(plan: Plan, records: dict[str, Record]) -> dict[str, Any]:
     plan
         The steps of the workflow.
     records
-        The record of each of them, by its key.
+        The record of each step, by its key.
     """
     code: dict[str, str] = {}
     sources: dict[str, str] = {}
@@ -79,7 +79,7 @@ def write_lock(lock: dict[str, Any], path: Path) -> None:
     Parameters
     ----------
     lock
-        The lock, as `make_lock` returns it.
+        The lock from `make_lock`.
     path
         File to write.
     """
@@ -99,7 +99,7 @@ def write_lock(lock: dict[str, Any], path: Path) -> None:
 
 
 def read_lock(path: Path) -> dict[str, Any] | None:
-    """Return the lock in a file, None if the file does not exist.
+    """Return the lock in a file, or None if the file does not exist.
 
     Parameters
     ----------
@@ -128,14 +128,14 @@ def read_lock(path: Path) -> dict[str, Any] | None:
 
 
 def changed_outputs(old: dict[str, Any] | None, new: dict[str, Any]) -> list[tuple[str, str]]:
-    """Return the outputs in which two locks differ, each with "added", "removed" or "changed".
+    """Return the outputs that differ between two locks, each with "added", "removed" or "changed".
 
     Parameters
     ----------
     old
-        The lock before; None if there was none.
+        The previous lock; None if there was none.
     new
-        The lock now.
+        The current lock.
     """
     before, after = _digests(old), _digests(new)
     changes = [(path, "added") for path in after.keys() - before.keys()]

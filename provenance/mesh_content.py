@@ -1,4 +1,4 @@
-"""The content of a mesh file, independent of the numbering of points and elements."""
+"""Read the content of a mesh file, independently of the numbering of points and elements."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tusqh.grid import FloatArray, IntArray
 def content_of_vtk(path: Path) -> Content:
     """Return the content of a VTU file with one kind of element, or of a VTP file.
 
-    The numbering of points and cells counts in a VTP file.
+    In a VTP file the numbering of points and cells matters.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def _of_mesh(
     on_points: dict[str, Any],
     on_cells: dict[str, list[Any]],
 ) -> Content:
-    """Return the content of a mesh, points sorted by position, elements by their corners."""
+    """Return the content of a mesh, with points sorted by position and elements by corners."""
     # No grid spacing is a multiple of this step, so rounding never decides between neighbours.
     step = max(float(np.ptp(points)) if points.size else 0.0, 1e-300) / 987_654_321.123
     lower = points.min(axis=0, initial=np.inf)

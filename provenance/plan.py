@@ -1,4 +1,4 @@
-"""The steps that the workflow would run today, each with its files, parameters and code.
+"""The plan: the steps that the workflow would run today, with their files, parameters and code.
 
 Snakemake makes the plan from the current configuration.
 """
@@ -37,15 +37,15 @@ class Step:
     Parameters
     ----------
     key
-        Its unique name, which is also the path of its record: ``chesapeake/mesh``, ``tables``.
+        Unique name of the step, which is also the path of its record, such as ``chesapeake/mesh``.
     rule, model
-        The rule, and its model, if it has one.
+        The rule, and the model, if there is one.
     parameters, code
-        The parameters and the code as its record would state them.
+        The parameters and the code as the record would state them.
     inputs, outputs
         Sorted names of files; the outputs do not include the records.
     record, record_how
-        Paths of its records.
+        Paths of the records of the step.
     """
 
     key: str
@@ -61,7 +61,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Plan:
-    """All steps of the workflow as it would run today, each after the steps that it depends on.
+    """All steps of the workflow as it would run today, in the order of their dependencies.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class Plan:
     snakefile
         The workflow.
     config_files, given_config_files
-        The configuration files that were read, and the ones among them that an option names.
+        The configuration files that were read, and those of them that an option names.
     """
 
     steps: dict[str, Step]
@@ -89,7 +89,7 @@ class Plan:
 
     @cached_property
     def recorder(self) -> dict[str, Step]:
-        """The step that writes each record; some steps read the records of others."""
+        """The step that writes each record, since some steps read the records of others."""
         return {str(step.record): step for step in self.steps.values()}
 
     @cached_property
@@ -108,7 +108,7 @@ class Plan:
         return f"{self.command} --forcerun {shlex.quote(file)}"
 
     def remake(self, *files: str) -> str:
-        """Return the command that makes files again even if Snakemake takes them to be current.
+        """Return the command that makes files again even if Snakemake considers them current.
 
         Parameters
         ----------
@@ -131,8 +131,8 @@ def make_plan(snakefile: Path, config_files: Sequence[Path] = ()) -> Plan:
     Raises
     ------
     ConfigError
-        There is no workflow, or it cannot be planned: a wrong configuration, a missing source, an
-        unsupported version of Snakemake.
+        There is no workflow, or it cannot be planned because of a wrong configuration, a missing
+        source, or an unsupported version of Snakemake.
     """
     if not snakefile.is_file():
         raise ConfigError(
@@ -165,8 +165,8 @@ def make_plan(snakefile: Path, config_files: Sequence[Path] = ()) -> Plan:
 def _load(snakefile: Path, config_files: Sequence[Path]) -> Any:
     """Return Snakemake's workflow with its graph of jobs.
 
-    Snakemake has no public access to the jobs of a graph, so this reads a private attribute, in
-    this place only and only for the versions `_SNAKEMAKE`.
+    Snakemake has no public access to the jobs of a graph, so this function, and no other, reads a
+    private attribute, and only for the versions `_SNAKEMAKE`.
     """
     _require_snakemake()
     from snakemake.api import SnakemakeApi
@@ -200,7 +200,7 @@ def _load(snakefile: Path, config_files: Sequence[Path]) -> Any:
 
 
 def _require_snakemake() -> None:
-    """Raise unless the version of Snakemake is one that `_load` can read."""
+    """Raise an error unless `_load` can read the graph of this version of Snakemake."""
     version = metadata.version("snakemake")
     if not version.startswith(_SNAKEMAKE):
         raise ConfigError(

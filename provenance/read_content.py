@@ -1,4 +1,4 @@
-"""Reading the content of a file, by its suffix."""
+"""Read the content of a file according to its suffix."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ import numpy as np
 from provenance.content import Content, content_of_arrays, content_of_table, content_of_text
 from provenance.mesh_content import content_of_meshio, content_of_vtk
 
-#: Digests and sizes of other files inside a file: those files are compared themselves.
+#: Digests and sizes of other files inside a file, which are ignored as those files are compared.
 _OF_OTHER_FILES = re.compile(r'"(sha256|contentSize)": "?\w+"?')
 
 
 def read_content(path: Path) -> Content | None:
-    """Return the content of a file, None for formats that are only compared byte by byte.
+    """Return the content of a file, or None for formats that are compared byte by byte.
 
-    The numbering of meshes, the order of the rows of tables, the compression of arrays and digests
-    of other files are left out.
+    It omits the numbering of meshes, the order of the rows of tables, the compression of arrays and
+    the digests of other files.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Making a model again in an empty folder, and comparing it with the results here."""
+"""Rebuild a model in an empty folder, and compare it with the results here."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from provenance.stored import Record
 from tusqh.errors import ProvenanceError
 from tusqh.hashing import hash_file
 
-#: Makes some files of a plan in a folder.
+#: Function that makes some files of a plan in a folder.
 Runner = Callable[[Plan, Path, list[str]], None]
 
 
 def run_snakemake(plan: Plan, folder: Path, targets: list[str]) -> None:
-    """Make files of a plan in a folder; the log is printed on the terminal.
+    """Make files of a plan in a folder, printing the log on the terminal.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def rebuild_model(
     records
         The records of the steps that ran, by the key of the step.
     run
-        Makes the files.
+        Function that makes the files.
 
     Returns
     -------
@@ -142,7 +142,7 @@ def _compare(model: str, folder: Path, plan: Plan, records: dict[str, Record]) -
 def _reach(
     path: str, folder: Path, plan: Plan, step: Step, classes: dict[str, Equality | None]
 ) -> Equality | None:
-    """Return the class that a file whose bytes differ reaches, given those of its inputs."""
+    """Return the class that a file with different bytes reaches, given those of its inputs."""
     rule = plan.equality.of(path)
     if rule.equality is Equality.UNCHECKED:
         is_same = all(classes.get(source, Equality.EXACT) for source in step.inputs)

@@ -1,6 +1,6 @@
-"""The record of a step: what it read, wrote and used, and how it ran.
+"""Record a step: what it read, wrote and used, and how it ran.
 
-It consists of two files: `what` is the same whenever and wherever the step is repeated; `how`
+A record consists of two files: `what` is the same whenever and wherever the step is repeated; `how`
 contains times, host and installed versions.  Both are written only after the step has succeeded.
 """
 
@@ -26,13 +26,13 @@ from tusqh.errors import TusqhError
 from tusqh.geometry.packaged import PACKAGE, locate
 from tusqh.hashing import canonical_json, hash_file
 
-#: The two outputs of each rule that are its records.
+#: The two outputs of each rule that hold its record.
 RECORD_OUTPUTS = ("record", "record_how")
 
 
 @contextmanager
 def recorded(snakemake: Any) -> Iterator[logging.Logger]:
-    """Run the body of a rule's script with its log, and record the step when it has succeeded.
+    """Run the body of a rule's script with its log, and record the step after it has succeeded.
 
     Figures get a mark of their source, see `provenance.stamp`.  A `TusqhError` ends the process
     with its message instead of a traceback.
@@ -41,8 +41,8 @@ def recorded(snakemake: Any) -> Iterator[logging.Logger]:
     ----------
     snakemake
         The object that Snakemake passes to scripts.  The rule has the outputs `record` and
-        `record_how`, a log and the parameter `code`; all that the script depends on is among its
-        inputs and parameters.
+        `record_how`, a log and the parameter `code`; its inputs and parameters contain everything
+        on which the script depends.
 
     Yields
     ------
@@ -81,7 +81,7 @@ def recorded(snakemake: Any) -> Iterator[logging.Logger]:
 
 
 def inputs_of(files: Iterable[str], parameters: dict[str, Any]) -> list[str]:
-    """Return the files that a step reads: its inputs, and files inside installed packages.
+    """Return the files that a step reads, which are its inputs and files in installed packages.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def _label(snakemake: Any) -> str:
 
 
 def _logger(path: Path, label: str) -> logging.Logger:
-    """Return the logger of tusqh, set up to write to the rule's log and to the terminal."""
+    """Return the logger of tusqh, configured to write to the rule's log and to the terminal."""
     logger = logging.getLogger("tusqh")
     logger.setLevel(logging.INFO)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -159,7 +159,7 @@ def _results(output: Any) -> set[str]:
 
 
 def _git_state() -> dict[str, Any]:
-    """Return the current commit and whether files differ from it, None without git."""
+    """Return the current commit and whether files differ from it, or None without git."""
     try:
         commit = _git("rev-parse", "HEAD")
         return {"commit": commit, "dirty": bool(_git("status", "--porcelain"))}

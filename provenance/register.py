@@ -1,4 +1,4 @@
-"""The register of data: the origin, licence and digest of each source."""
+"""Read the register of data, which holds the origin, licence and digest of each source."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tusqh.errors import ProvenanceError
 
-#: The register, relative to a checkout or to a folder with a register of its own.
+#: The register, relative to a checkout or to a folder with its own register.
 REGISTER = Path("data_sources/register.csv")
 
 _REQUIRED = {"file", "origin", "url", "licence", "sha256"}
@@ -16,7 +16,7 @@ _REQUIRED = {"file", "origin", "url", "licence", "sha256"}
 def read_register(*folders: Path) -> dict[str, dict[str, str]]:
     """Return the rows of the first register that exists in some folders, by file.
 
-    If several models use one file, its row is that of the first model.
+    If several models use the same file, the row of the first model is returned.
 
     Parameters
     ----------

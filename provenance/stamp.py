@@ -26,12 +26,12 @@ _COMMENT = re.compile(rb"\n?(?:<!--|%) tusqh-source (\{.*?\})(?: -->)?\n")
 def source_mark(what: dict[str, Any], path: str) -> dict[str, Any]:
     """Return the mark of a figure: file, step, model, and a digest of inputs and parameters.
 
-    The digest omits the code, so that equal pictures remain equal files when code changes.
+    The digest omits the code, so that equal pictures remain equal files if code changes.
 
     Parameters
     ----------
     what
-        The `what` part of the record of the step, with or without its outputs.
+        The `what` part of the step's record, with or without the outputs.
     path
         The figure.
     """
@@ -45,14 +45,14 @@ def source_mark(what: dict[str, Any], path: str) -> dict[str, Any]:
 
 
 def stamp(path: Path, mark: dict[str, Any]) -> None:
-    """Write a mark into a PNG, SVG or PDF file in place of an older mark, whole or not at all.
+    """Write a mark into a PNG, SVG or PDF file, replacing an older mark; never write half a file.
 
     Parameters
     ----------
     path
         The figure.
     mark
-        Its mark, see `source_mark`.
+        The mark, see `source_mark`.
     """
     text = json.dumps(mark, sort_keys=True)
     with replacing(path) as temporary:
@@ -66,7 +66,7 @@ def stamp(path: Path, mark: dict[str, Any]) -> None:
 
 
 def read_mark(path: Path) -> dict[str, Any] | None:
-    """Return the mark in a figure, None if it has none.
+    """Return the mark in a figure, or None if it has none.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Reading the records that steps left when they last succeeded."""
+"""Read the records that steps left when they last succeeded."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ class Record:
     Parameters
     ----------
     what, how
-        Its two parts; `how` is empty when it cannot be read.
+        The two parts of the record; `how` is empty if it cannot be read.
     problem
-        Why a step cannot have written it; empty if one can.
+        Why no step can have written it; empty if a step can.
     """
 
     what: dict[str, Any]
@@ -64,7 +64,7 @@ def read_records(folder: Path = RECORDS) -> dict[str, Record]:
 
 
 def read_code_list(fingerprint: str, folder: Path = RECORDS) -> dict[str, str]:
-    """Return the files behind a fingerprint of code with their SHA-256, empty if unknown.
+    """Return the files behind a fingerprint of code with their SHA-256; empty if it is unknown.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ def _validator() -> jsonschema.Draft202012Validator:
 
 
 def _read_object(path: Path) -> dict[str, Any]:
-    """Return the JSON object in a file, empty if there is none."""
+    """Return the JSON object in a file; empty if there is none."""
     try:
         content = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError):

@@ -1,4 +1,4 @@
-"""The origin of a file: the steps and sources behind it, down to the register of data."""
+"""Trace the origin of a file to the steps and sources behind it and to the register of data."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from tusqh.hashing import hash_file
 
 @dataclass(frozen=True)
 class Origin:
-    """A file and what it was made from.
+    """A file and its origin.
 
     Parameters
     ----------
     path, sha256
         The file, and its digest when it was written or read.
     is_same
-        Whether it still has that digest.
+        Whether the file still has that digest.
     step
-        The step that made it, empty for a source.
+        The step that made the file; empty for a source.
     parameters, code
         The parameters and the script of the step.
     source
-        Its row in the register of data, empty if it has none.
+        Row of the file in the register of data; empty if it has none.
     inputs
         The inputs of the step.
     """
@@ -45,16 +45,16 @@ class Origin:
 
 @dataclass(frozen=True)
 class Match:
-    """The recorded file that some file was identified as.
+    """The recorded file as which a file was identified.
 
     Parameters
     ----------
     path
         The recorded output or source.
     how
-        How it was identified: by its bytes, its mark or its name.
+        How the file was identified: by its bytes, its mark or its name.
     is_same
-        Whether its bytes are the recorded ones, or it has the mark of the recorded figure.
+        Whether the file has the recorded bytes, or the mark of the recorded figure.
     """
 
     path: str
@@ -63,9 +63,9 @@ class Match:
 
 
 def find_output(path: Path, records: dict[str, Record], digests: Digests) -> Match:
-    """Identify a file as a recorded output or source, wherever it is.
+    """Identify a file, in any location, as a recorded output or source.
 
-    It is identified by its bytes, else by the mark in a figure, else by its name.
+    It is identified by its bytes, otherwise by the mark in a figure, otherwise by its name.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ def trace(
         )
 
     def as_read(source: Origin, digest: str) -> Origin:
-        """Return an input, marked as changed if the step read another version of it."""
+        """Return an input; it is marked as changed if the step read another version of it."""
         return source if source.sha256 == digest else replace(source, is_same=False)
 
     return origin(path)

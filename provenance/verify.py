@@ -1,4 +1,4 @@
-"""Verification of the results: all checks together, as one report."""
+"""Verify the results: run all checks, and combine them in one report."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ class Verification:
     outcomes
         The outcome of each step, in the order of the workflow.
     classes
-        The class of equality with the lock that each step reached, None for none or unknown.
+        The class of equality with the lock that each step reached; None for none or unknown.
     recording_share
-        The part of the steps' time that records and digests took, None without records.
+        The share of the steps' time that records and digests took; None without records.
     """
 
     findings: list[Finding]
@@ -69,12 +69,12 @@ class Verification:
         return f"{n} {noun}{'' if n == 1 else 's'} in {n_steps} steps"
 
     def extended(self, findings: list[Finding]) -> Verification:
-        """Return the verification with more findings.
+        """Return the verification with further findings.
 
         Parameters
         ----------
         findings
-            What else was found.
+            The further findings.
         """
         return replace(self, findings=[*self.findings, *findings])
 
@@ -102,7 +102,7 @@ def verify(plan: Plan, records: dict[str, Record], lock: dict[str, Any] | None) 
     records
         The records of the steps that ran, by the key of the step.
     lock
-        The accepted results, None if there is no lock.
+        The accepted results; None if there is no lock.
 
     Returns
     -------
@@ -132,7 +132,7 @@ def verify(plan: Plan, records: dict[str, Record], lock: dict[str, Any] | None) 
 
 
 def require_lockable(plan: Plan, records: dict[str, Record]) -> None:
-    """Raise unless results, records and workflow agree and each claim has its accepted status.
+    """Raise an error unless results, records and workflow agree and claims have accepted statuses.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def require_lockable(plan: Plan, records: dict[str, Record]) -> None:
     Raises
     ------
     ProvenanceError
-        Naming the gravest finding.
+        There is a finding; the message names the gravest one.
     """
     digests = Digests()
     findings = list(check_records(plan, records, read_register(Path(), plan.base), digests))
@@ -160,7 +160,7 @@ def require_lockable(plan: Plan, records: dict[str, Record]) -> None:
 
 
 def recording_share(records: dict[str, Record]) -> float | None:
-    """Return the part of the time of all recorded steps that recording took.
+    """Return the share of the time of all recorded steps that recording took.
 
     Parameters
     ----------
@@ -181,7 +181,7 @@ def _check_claims(plan: Plan, records: dict[str, Record], digests: Digests) -> I
     if step is None:
         return
     recorded = {path: digest for r in records.values() for path, digest in r.outputs.items()}
-    # A table that differs from its record is a finding already, and decides no claim.
+    # A table that differs from its record is already a finding, and decides no claim.
     damaged = {path for path in step.inputs if digests.of(path) != recorded.get(path, "")}
     claims: list[Claim] = [
         claim for claim in step.parameters["claims"] if claim.get("table") not in damaged
@@ -205,7 +205,7 @@ def _check_claims(plan: Plan, records: dict[str, Record], digests: Digests) -> I
 
 
 def _changed_claim(step: str, row: dict[Any, Any]) -> Finding:
-    """Return the finding about a claim whose status is not the accepted one."""
+    """Return the finding about a claim whose status differs from the accepted one."""
     found, remedy = f"{row['status']}", "read workflow/claims.yaml"
     if row["found"]:
         found += f": {row['found']} in {row['table']}, a margin of {row['margin']:.3g}"

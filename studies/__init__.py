@@ -1,1 +1,1 @@
-"""The studies of the paper and our own: each module makes tables that decide claims."""
+"""The studies of the paper and our own studies; each module makes tables that decide claims."""

@@ -1,4 +1,4 @@
-"""The effect of anti-aliasing on a diagonal gap, a wedge, and a gap along the axes.
+"""Measure the effect of anti-aliasing on a diagonal gap, a wedge, and a gap along the axes.
 
 Paper: Topological Anti-aliasing and Anti-aliasing.  All examples have exact fractions, cells of
 size 1 and threshold 1/2.
@@ -19,22 +19,22 @@ from tusqh.antialias.resolve import build_mesh
 from tusqh.grid import BackgroundGrid
 from tusqh.settings.policy import Criteria, Policy
 
-#: The paper's three gaps along the axes: below half a cell, between, and above a cell.
+#: Widths of the paper's three gaps along the axes: below half a cell, above a cell, and between.
 GAP_WIDTHS = (0.4, 0.75, 1.2)
 
-#: Islands with fewer cells than this are removed, after bridges have joined others.
+#: Islands with fewer cells than this are removed after bridges have joined components.
 _MIN_CELLS = 4
 
 
 def diagonal_gap(width: float, degrees: float, size: int) -> list[Polygon]:
-    """Return the two sides of a gap through the middle of a square, leaning from the vertical.
+    """Return the two sides of an inclined gap through the middle of a square.
 
     Parameters
     ----------
     width
         Width of the gap, in cells.
     degrees
-        Its angle with the y axis, at most 45.
+        Angle between the gap and the y axis, at most 45.
     size
         Side of the square, in cells.
     """
@@ -53,13 +53,13 @@ def wedge(apex: tuple[float, float], degrees: float, turn: float, length: float)
     Parameters
     ----------
     apex
-        Its apex.
+        Apex of the wedge.
     degrees
         Opening angle.
     turn
-        Direction of its axis, in degrees from the x axis.
+        Direction of the axis, in degrees from the x axis.
     length
-        Length of its axis, in cells.
+        Length of the axis, in cells.
     """
     low, high = (math.radians(turn + side * degrees / 2) for side in (-1, 1))
     reach = length / math.cos(math.radians(degrees / 2))
@@ -71,7 +71,7 @@ def wedge(apex: tuple[float, float], degrees: float, turn: float, length: float)
 
 
 def compare_examples() -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the shapes and the facts of the diagonal gap and the wedge, before and after.
+    """Return shapes and facts of the diagonal gap and the wedge before and after anti-aliasing.
 
     Returns
     -------
@@ -113,8 +113,8 @@ def axis_gap(width: float, offset: float, grid: BackgroundGrid) -> list[Polygon]
 def sweep_axis_gap(n_offsets: int) -> pd.DataFrame:
     """Return the widths at which the gap closes and opens, for offsets over one period.
 
-    One row per offset and rule (`studies.gap_patch.RULES`); `components_<width>` are
-    those of the mesh, built and measured, at the widths of the paper's three gaps.
+    There is one row per offset and rule (`studies.gap_patch.RULES`); `components_<width>` counts
+    the components of the measured mesh at the widths of the paper's three gaps.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def _count_components(polygons: list[Polygon], grid: BackgroundGrid) -> int:
 
 
 def draw_axis_gaps() -> pd.DataFrame:
-    """Return the shapes of the paper's three gaps, the middle one at two offsets."""
+    """Return the shapes of the paper's three gaps, with the middle one at two offsets."""
     grid = BackgroundGrid(shape=(7, 6), cell_size=1.0, origin=(0.0, 0.0))
     small, middle, large = GAP_WIDTHS
     tables = []

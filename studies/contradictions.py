@@ -1,4 +1,4 @@
-"""Points of a sweep over gaps that contradict the paper's theorem."""
+"""List the points of a sweep over gaps that contradict the paper's theorem."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ from studies.theorem import CLAIMED, TIE, crossing_widths
 def list_contradictions(sweep: pd.DataFrame) -> pd.DataFrame:
     """Return the points of a sweep that contradict the theorem, with the reason.
 
-    The theorem gives two windows: cells alone (`touching`, `faces`) and with sub-cells
-    (`filtration`, `sub-cells`).  Outside of them every offset must give the same result.
+    The theorem gives two windows, one for cells alone (`touching`, `faces`) and one for cells with
+    sub-cells (`filtration`, `sub-cells`).  Outside the windows every offset must give the same
+    result.
 
     Parameters
     ----------
@@ -25,7 +26,7 @@ def list_contradictions(sweep: pd.DataFrame) -> pd.DataFrame:
     upper = sweep["scheme"].map(lambda rule: CLAIMED[rule][1])
     n_offsets = sweep[["closed", "open", "mixed"]].sum(axis=1)
     too_early = (sweep["width"] <= lower) & (sweep["closed"] < n_offsets)
-    # With sub-cells the upper end itself is outside of the window, without them inside.
+    # With sub-cells the upper end itself is outside the window; without them it is inside.
     strict = sweep["scheme"].isin(["filtration", "sub-cells"])
     is_beyond = (sweep["width"] > upper) | (strict & (sweep["width"] == upper))
     too_late = is_beyond & (sweep["open"] < n_offsets)

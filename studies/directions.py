@@ -1,4 +1,4 @@
-"""Orientations of a gap between two half-spaces, up to symmetry."""
+"""List orientations of a gap between two half-spaces, up to symmetry."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def normals_of(places: FloatArray) -> FloatArray:
 
 
 def rotations(step: float) -> FloatArray:
-    """Return rotations from 0 to 45 degrees, all up to symmetry, shape (m, 1).
+    """Return rotations from 0 to 45 degrees, which are all rotations up to symmetry, shape (m, 1).
 
     Parameters
     ----------

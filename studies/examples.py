@@ -1,7 +1,7 @@
-"""The paper's small examples in the plane, meshed with exact fractions, as tables to draw from.
+"""Mesh the paper's small examples in the plane with exact fractions, and tabulate their shapes.
 
-A table of shapes has one row per shape, with the columns of `SHAPE_COLUMNS`: polygons have
-up to four corners, edges of the grid two, vertices one; corners that a shape lacks are empty.
+A table of shapes has one row per shape, with the columns of `SHAPE_COLUMNS`.  Polygons have up to
+four corners, edges of the grid two and vertices one; missing corners are empty.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def shape_rows(panel: str, shape: str, corners: FloatArray) -> pd.DataFrame:
     panel, shape
         The panel in which they are drawn, and their kind.
     corners
-        Shape (m, k, 2) with k at most 4, in model units.
+        Corners, shape (m, k, 2) with k at most 4, in model units.
     """
     flat = np.full((len(corners), 8), np.nan)
     flat[:, : 2 * corners.shape[1]] = corners.reshape(len(corners), 2 * corners.shape[1])
@@ -126,7 +126,7 @@ def mesh_example(
     name
         The example; its panels are ``<name>: before`` and ``<name>: after``.
     polygons
-        Its geometry, triangles or quads that do not overlap, counter-clockwise.
+        Geometry of the example: triangles or quads that do not overlap, counter-clockwise.
     grid
         The background grid.
     threshold
@@ -171,7 +171,7 @@ def mesh_example(
 
 
 def mesh_facts(mesh: VolumeMesh, predicted: BettiNumbers) -> dict[str, Any]:
-    """Return the measured topology of a mesh, and whether it is as predicted and sound.
+    """Return the measured topology of a mesh, and whether it is sound and as predicted.
 
     Parameters
     ----------

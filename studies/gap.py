@@ -1,15 +1,16 @@
-r"""A straight gap between two half-spaces, on a grid in any orientation and at any offset.
+r"""Compute the fractions of a straight gap between two half-spaces, in any orientation and offset.
 
-The setting of the paper's theorem: material everywhere but in a slab of width ``L`` around a
-middle plane (2D: line) with unit normal ``n``, cells of size 1, threshold 1/2.  The fraction of a
-cell of any dimension depends only on the signed distance ``u`` of its centre from the middle plane:
-its fictitious cell is a unit cube there, whose points have the distances ``u + P``, where ``P``
-is ``n . x`` for points ``x`` of a cube around the origin.  The gap fills at most half of it
-exactly when ``L`` is at most twice the median of ``|u + P|``: its *critical width*.
+This is the setting of the paper's theorem: there is material everywhere except in a slab of width
+``L`` around a middle plane (2D: line) with unit normal ``n``; cells have size 1 and the threshold
+is 1/2.  The fraction of a cell of any dimension depends only on the signed distance ``u`` of its
+centre from the middle plane: its fictitious cell is a unit cube whose points have the distances
+``u + P``, where ``P`` is ``n . x`` for points ``x`` of a cube around the origin.  The gap fills at
+most half of the cell exactly if ``L`` is at most twice the median of ``|u + P|``, which is the
+cell's *critical width*.
 
-With exact volumes the median is that of a continuous distribution, a sum of uniform ones; with
-``s`` samples along each side it is the upper median of ``s**dim`` numbers.  Cells are kept as long
-as ``L <= critical width``, ties included, as in the paper.
+With exact volumes it is the median of a continuous distribution (of a sum of uniform variables);
+with ``s`` samples along each side it is the upper median of ``s**dim`` numbers.  A cell is kept if
+``L <= critical width``, including ties, as in the paper.
 """
 
 from __future__ import annotations
@@ -21,10 +22,10 @@ from numba import njit
 
 from tusqh.grid import FloatArray
 
-#: Halvings of the bracket of a median: to 1e-12.
+#: Number of bisections for a median, which give an accuracy of 1e-12.
 _HALVINGS = 42
 
-#: Components of a normal below this are zero.
+#: Components of a normal below this count as zero.
 _FLAT = 1e-9
 
 
@@ -36,7 +37,7 @@ def sample_distances(normal: FloatArray, samples: int) -> FloatArray:
     normal
         Unit normal, shape (dim,).
     samples
-        Samples along each side; 0 for exact volumes, which need none.
+        Samples along each side; 0 for exact volumes, which need no samples.
 
     Examples
     --------
@@ -53,8 +54,8 @@ def sample_distances(normal: FloatArray, samples: int) -> FloatArray:
 def fraction_below(t: float, normal: FloatArray) -> float:
     """Return the fraction of the unit cube around the origin with ``n . x < t``.
 
-    The sum over the corners of the cube of ``sign * max(t - n . corner, 0)**m / (m! prod n)``,
-    ``m`` being the number of components of the normal that are not zero; all are at least 0.
+    It is the sum of ``sign * max(t - n . corner, 0)**m / (m! prod n)`` over the corners of the
+    cube, where ``m`` is the number of nonzero components of the normal; none is negative.
 
     Parameters
     ----------
@@ -63,7 +64,7 @@ def fraction_below(t: float, normal: FloatArray) -> float:
     normal
         Unit normal, shape (dim,), no component negative.
     """
-    if t > 0:  # The smaller of the two parts has the smaller rounding errors.
+    if t > 0:  # The smaller part has smaller rounding errors.
         return 1.0 - fraction_below(-t, normal)
     m, product = 0, 1.0
     for k in range(len(normal)):
@@ -125,7 +126,8 @@ def critical_width(u: float, normal: FloatArray, distances: FloatArray) -> float
 
     Examples
     --------
-    A diagonal gap opens the cell in its middle at (sqrt(2) - 1) cells, two samples by two later.
+    A diagonal gap opens the cell in its middle at a width of sqrt(2) - 1 with exact areas, and at a
+    larger width with 2 x 2 samples.
 
     >>> import numpy as np
     >>> diagonal = np.sqrt([0.5, 0.5])
@@ -139,7 +141,7 @@ def critical_width(u: float, normal: FloatArray, distances: FloatArray) -> float
         return 2.0 * away[len(distances) // 2]  # type: ignore[no-any-return]
     u = abs(u)
     half_extent = float(normal.sum()) / 2
-    if u >= half_extent / 2:  # One side of the gap passes through the centre, the other misses.
+    if u >= half_extent / 2:  # One side of the gap passes through the centre, the other misses it.
         return 2.0 * u
     low, high = u, half_extent + u
     for _ in range(_HALVINGS):

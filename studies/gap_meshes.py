@@ -1,15 +1,17 @@
-"""Meshes of gaps, compared with the filtration by gap width.
+"""Mesh gaps, and compare the meshes with the filtration by gap width.
 
-The mesh does more than the filtration: clusters of pinches get one decision, and bridges join what
-interior edges connect.  With exact areas, in the plane:
+The mesh differs from the filtration in two ways: clusters of pinches get one decision, and bridges
+join components that interior edges connect.  With exact areas in the plane:
 
-* a pinch across a gap has its vertex in the middle between two dropped cells, where the gap is at
-  least as wide; so it is exterior, and all pinches of a gap are such: no cluster is mixed;
-* an edge between two dropped cells is exterior likewise: no path of edges crosses;
-* but a pinch whose vertex is exterior may have two interior edges around one of its empty cells,
-  one on either side of the gap; when nothing else joins the two sides, that makes a bridge.  It
-  takes a gap that drops cells up to a quarter of a cell's diagonal extent from its middle, and
-  such a gap is within the window anyway: a longer patch of it is joined somewhere.
+* the vertex of a pinch across a gap lies midway between two dropped cells, where the gap is at
+  least as wide; so it is exterior, and since this holds for all pinches of a gap, no cluster is
+  mixed;
+* an edge between two dropped cells is exterior for the same reason, so no path of edges crosses the
+  gap;
+* but a pinch whose vertex is exterior may have two interior edges beside one of its empty cells,
+  one on either side of the gap; if nothing else joins the two sides, they make a bridge.  This
+  requires a gap that drops cells up to a quarter of a cell's diagonal extent from its middle, and
+  such a gap is within the window anyway, because a longer patch of it is joined somewhere.
 """
 
 from __future__ import annotations
@@ -43,8 +45,8 @@ def gap_fractions(
     normal
         Unit normal, shape (dim,), components not negative.
     offset
-        Shift of the grid along its first axis; at 0 the first layer of cells along the other
-        axes has a cell centred on the middle of the gap, halfway along the first axis.
+        Shift of the grid along its first axis.  At 0, in the first layer of cells along the other
+        axes, the cell halfway along the first axis is centred on the middle of the gap.
     width
         Width of the gap, in cell sizes.
     shape
@@ -67,7 +69,7 @@ def gap_fractions(
 
 
 def compare_with_meshes(n_trials: int, samples: int, rng: np.random.Generator) -> pd.DataFrame:
-    """Return random gaps, and whether the filtration and the mesh join their sides.
+    """Return random gaps, and whether the filtration and the mesh join their two sides.
 
     `bare` is the mesh without bridges; `in_window` states that a gap of that width and rotation can
     be joined, with exact fractions, at some offset.
@@ -75,7 +77,7 @@ def compare_with_meshes(n_trials: int, samples: int, rng: np.random.Generator) -
     Parameters
     ----------
     n_trials
-        Number of gaps; two in three are close to a width at which some rule opens.
+        Number of gaps; two thirds of them are close to a width at which some rule opens.
     samples
         Samples along the side of a cell; 0 for exact fractions.
     rng

@@ -1,24 +1,24 @@
-r"""The widths at which a gap opens and closes, on a patch of cells along it.
+r"""Measure the widths at which a gap opens and closes, on a patch of cells along it.
 
-Growing wider, a gap drops one cell of the doubled grid after the other, at their critical widths
-(`studies.gap`): the gap's width is a filtration.  So two numbers describe the outcome for a
+As a gap grows wider, it drops the cells of the doubled grid one by one at their critical widths
+(`studies.gap`), so the gap's width defines a filtration.  Two numbers describe the outcome for a
 patch, an orientation and an offset:
 
-* up to the *closing width*, the smallest critical width of all cells, nothing is dropped: the gap
-  is **closed**, joined everywhere and without a void;
+* up to the *closing width*, the smallest critical width of all cells, no cell is dropped: the gap
+  is **closed**, which means joined everywhere and without a void;
 * beyond the *opening width*, the largest width at which a path of kept cells joins the two
   half-spaces (a bottleneck: the merge of two components), it is **open**;
-* between them it is **mixed**: joined in places, with voids.
+* between them it is **mixed**: joined in some places, with voids.
 
-The rule determines which cells a path can use.  All rules use one graph, in which cells of all
-dimensions are joined if one is a face of the other, and differ only in the critical widths of the
-lower dimensions::
+The rule determines which cells a path can use.  All rules use the same graph, in which cells of all
+dimensions are joined if one is a face of the other; the rules differ only in the critical widths of
+the lower dimensions::
 
-    touching   the largest of the cells around: cells as closed sets, pinches join
-    faces      the smallest of the cells around: only whole shared faces join
-    filtration the paper's complex: a face when both its cells are kept, edges (3D) and vertices
-               their own, clamped to the range of the cells around
-    sub-cells  all their own: the case of the theorem's proof
+    touching   the largest of the adjacent cells: cells are closed sets, pinches join
+    faces      the smallest of the adjacent cells: only whole shared faces join
+    filtration the paper's complex: a face is kept if both its cells are; edges (3D) and vertices
+               have their own width, clamped to the range of the adjacent cells
+    sub-cells  all have their own width, as in the theorem's proof
 
 In the plane our meshes agree with the filtration (`studies.gap_meshes`); in space the edges
 and vertices of a cluster of pinches may disagree, and the policy for mixed clusters decides.
@@ -32,11 +32,11 @@ from numba import njit, prange
 from studies.gap import critical_width
 from tusqh.grid import FloatArray, IntArray
 
-#: The rules that join cells; the position in this tuple is the last index of the widths below.
+#: The rules that join cells; their positions in this tuple are the last index of the widths below.
 RULES = ("touching", "faces", "filtration", "sub-cells")
 _TOUCHING, _FACES, _FILTRATION, _SUB_CELLS = range(4)
 
-#: Farther from the middle than this, in cell sizes, all is material at widths below twice as much.
+#: Beyond this distance from the middle, in cell sizes, all is material at widths below twice it.
 _FAR = 1.25
 
 _CLOSED_BY, _OPEN_BY = 0, 1
@@ -55,20 +55,20 @@ def measure_widths(
         Shifts of the grid along its first axis, in cell sizes, shape (k,); 0 centres a cell on
         the middle of the gap.
     distances
-        Of the samples of a cell for every normal, shape (m, s**dim), see
+        Distances of a cell's samples for every normal, shape (m, s**dim), see
         `studies.gap.sample_distances`; shape (m, 0) for exact volumes.
     length
-        Cells along the gap, and in 3D along both directions of it.
+        Number of cells along the gap (in 3D along both of its directions).
 
     Returns
     -------
     closing, opening
-        Shape (m, k, 4), by the rules in `RULES`.
+        Shape (m, k, 4), where the last axis has the order of `RULES`.
 
     Examples
     --------
-    Along the axes, offset by half a cell: joined through whole cells up to one cell size, cut by
-    interior edges as soon as the gap is half a cell wide.
+    A gap along the axes, offset by half a cell, is joined through whole cells up to a width of one
+    cell; with sub-cells it is open as soon as it is wider than half a cell.
 
     >>> import numpy as np
     >>> normal, exact = np.array([[1.0, 0.0]]), np.empty((1, 0))
@@ -87,7 +87,7 @@ def measure_widths(
     return widths[..., _CLOSED_BY], widths[..., _OPEN_BY]
 
 
-# Not cached: numba's cache does not notice a change of `critical_width` in its own file.
+# This is not cached, because numba's cache would not notice a change of `critical_width`.
 @njit(parallel=True)
 def _measure(
     normals: FloatArray, offsets: FloatArray, distances: FloatArray, length: int
@@ -107,9 +107,9 @@ def _measure_patch(
 ) -> None:
     """Fill in the two widths of every rule for one patch.
 
-    Places ``c`` of the doubled grid have the centre ``(c - 1) / 2``: odd entries are bodies of
-    cells.  A patch is sheared: for all ``c[1]`` (and ``c[2]``) the columns near the gap, with one
-    more layer around it, so that every place in it knows the cells around it.
+    Place ``c`` of the doubled grid has the centre ``(c - 1) / 2``; odd entries are bodies of cells.
+    A patch is sheared: for each ``c[1]`` (and ``c[2]``) it holds the column near the gap.  It has a
+    further layer around it, so that all cells around a place are known.
     """
     dim = len(normal)
     depth = length if dim == 3 else 0
@@ -137,7 +137,7 @@ def _measure_patch(
 def _apply_rule(
     rule: int, dim: int, first: IntArray, distance: FloatArray, own: FloatArray
 ) -> FloatArray:
-    """Return the critical widths of all places under a rule; those of the cells are their own.
+    """Return the critical widths of all places under a rule; cells always keep their own.
 
     Place ``i`` of a column has the coordinate ``first + i + 1``, as ``c[0] - 1 = first + i``.
     """
@@ -148,7 +148,7 @@ def _apply_rule(
             for i in range(n_c):
                 if abs(distance[a, b, i]) >= _FAR:
                     continue
-                # a and b are c + 1: even for bodies of cells; the column parity likewise.
+                # a and b are c + 1, so they are even for bodies of cells, as is the column parity.
                 flat = (first[a, b] + i) % 2, a % 2, b % 2 if dim == 3 else 0
                 codimension = flat[0] + flat[1] + flat[2]
                 if codimension == 0:
@@ -176,9 +176,9 @@ def _apply_rule(
 def _bottleneck(
     dim: int, first: IntArray, distance: FloatArray, width: FloatArray
 ) -> tuple[float, float]:
-    """Return the smallest width of a patch, and the largest at which its two sides are joined.
+    """Return the smallest width of a patch, and the largest at which the two sides are joined.
 
-    Places enter a union-find by falling width; everything far away is one node on either side.
+    Places enter a union-find by decreasing width; on either side everything far away is one node.
     """
     n_a, n_b, n_c = width.shape
     n = width.size
@@ -205,7 +205,7 @@ def _bottleneck(
             d = step % 3 - 1, step // 3 % 3 - 1, step // 9 - 1
             if d == (0, 0, 0) or (dim == 2 and d[2] != 0):
                 continue
-            # One is a face of the other when all coordinates that differ leave the same parity.
+            # One place is a face of the other if all differing coordinates have the same parity.
             n_moves = abs(d[0]) + abs(d[1]) + abs(d[2])
             n_flat = abs(d[0]) * flat[0] + abs(d[1]) * flat[1] + abs(d[2]) * flat[2]
             if n_flat not in (0, n_moves):

@@ -1,4 +1,4 @@
-"""The topology of a model over random placements of the grid, for several ways to join cells."""
+"""Compute the topology of a model over random grid placements, for several ways to join cells."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from tusqh.topology.effective import effective_betti
 
 BETTI = ["betti_0", "betti_1", "betti_2"]
 
-#: Kept cells joined where they touch, or only where they share a facet.
+#: Schemes without sub-cells: kept cells are joined where they touch, or only by shared facets.
 TOUCHING, BY_FACETS = "raw cells", "raw cells, by facets"
-#: Pinches and archipelagos decided by sub-cells, for each way to resolve mixed clusters of pinches.
+#: Schemes that decide by sub-cells, one for each way to resolve mixed clusters of pinches.
 MIXED_PINCHES: tuple[MixedPinches, ...] = ("separate", "majority", "connect")
 SUB_CELLS_SEPARATE, SUB_CELLS_MAJORITY, SUB_CELLS_CONNECT = (
     f"sub-cells, {mixed}" for mixed in MIXED_PINCHES
 )
-#: The policy of the model, which can also remove small features.
+#: Scheme with the policy of the model, which can also remove small features.
 AS_CONFIGURED = "tusqh, as configured"
 SCHEMES = (
     TOUCHING,
@@ -67,15 +67,15 @@ def vary_placement(
     count, seed
         Number of placements, and the seed of their random numbers.
     progress
-        Called with the number of placements done and of all placements.
+        Called with (placements done, all placements).
     **how
         `window` and `sampling`, see `studies.placements.lay_grids`.
 
     Returns
     -------
     table
-        One row per `placement`, `cells`, `threshold` and `scheme`: `betti_0`, `betti_1`,
-        `betti_2` as predicted for the mesh.
+        One row per `placement`, `cells`, `threshold` and `scheme`, with the predicted `betti_0`,
+        `betti_1`, `betti_2` of the mesh.
     """
     placements = random_placements(len(geometry.bounding_box()[0]), count, seed=seed)
     rows: list[tuple[Any, ...]] = []
@@ -94,7 +94,7 @@ def vary_placement(
 def _predict(
     sets: Mapping[MixedPinches, CellSets], configured: CellSets, threshold: float
 ) -> dict[str, BettiNumbers]:
-    """Return the Betti numbers of each scheme, computed once where two schemes must agree."""
+    """Return the Betti numbers of each scheme; schemes that must agree are computed once."""
     kept = configured.fractions.cells >= threshold
     pinches = find_pinches(kept)
     separated = sets["separate"].at(threshold)

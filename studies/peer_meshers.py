@@ -1,7 +1,7 @@
-"""Programs that make solids from dirty surfaces, one function for each.
+"""Run programs that make solids from dirty surfaces, with one function for each.
 
 `studies.peers` runs ``python -m studies.peer_meshers PEER INPUT.npz OUTPUT.npz SECONDS`` in a
-process of its own, because some of them crash or never end.
+separate process, because some of them crash or never end.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def mesh_by_automesh(given: Arrays) -> Solid:
 
 
 def mesh_by_pytetwild(given: Arrays) -> Solid:
-    """Return the tetrahedra that fTetWild makes from the surface, with its own defaults.
+    """Return the tetrahedra that fTetWild makes from the surface with its own defaults.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def mesh_by_pyvista(given: Arrays) -> Solid:
 
 
 def mesh_by_trimesh(given: Arrays) -> Solid:
-    """Return the voxels of our cell size that touch the surface or are inside, by trimesh.
+    """Return the voxels of our cell size that touch the surface or lie inside, by trimesh.
 
     Parameters
     ----------
@@ -103,15 +103,15 @@ def mesh_by_trimesh(given: Arrays) -> Solid:
     numbers = np.ravel_multi_index(tuple(np.moveaxis(corners, -1, 0)), tuple(shape))
     used, cells = np.unique(numbers, return_inverse=True)
     lattice = np.stack(np.unravel_index(used, tuple(shape)), axis=1)
-    # The transform maps to the centres of voxels.
+    # The transform maps indices to the centres of voxels.
     points = voxels.transform[:3, 3] + size * (lattice - 0.5)
     return points, cells.reshape(numbers.shape)
 
 
 def mesh_by_tusqh(given: Arrays) -> Solid:
-    """Return our hexes at the selected threshold, by the stages `sample` and `build`.
+    """Return our hexes at the selected threshold, from the stages `sample` and `build`.
 
-    The surface is sampled again, so that the time of sampling counts.
+    The surface is sampled again so that the time includes sampling.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ PEERS: dict[str, Callable[[Arrays], Solid]] = {
 
 
 def main(peer: str, source: Path, target: Path, limit: int) -> int:
-    """Run a peer on the arrays in a file, write its points, cells and times, return the status.
+    """Run a peer on the arrays in a file, write its results and times, and return the status.
 
     Parameters
     ----------
@@ -155,12 +155,12 @@ def main(peer: str, source: Path, target: Path, limit: int) -> int:
     source, target
         The files to read and to write.
     limit
-        Limit on processor time in s, which does not depend on other work on the machine.
+        Limit on processor time in s, which is independent of other work on the machine.
 
     Returns
     -------
     int
-        0, or the exit code that says why the peer failed.
+        0, or the exit code for the reason of a failure.
     """
     resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 5))
     with np.load(source) as content:

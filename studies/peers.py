@@ -1,4 +1,4 @@
-"""Tusqh and other programs on the same dirty surfaces, each in a process with a time limit."""
+"""Compare Tusqh with other programs on dirty surfaces, each in a process with a time limit."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from tusqh.threshold.selection import Selection
 
 FINISHED, MISSING = "finished", "not installed"
 
-#: Significant digits of the row of a peer, 4 by default.  fTetWild's meshes differ from run to run,
+#: Number of significant digits for a peer, 4 by default.  fTetWild's meshes differ from run to run,
 #: so further digits would be noise.
 _DIGITS = {"pytetwild": 1}
 
@@ -34,7 +34,7 @@ _PROJECT = Path(tusqh.__file__).parent.parent
 
 _TIMES = ("seconds", "processor_seconds")
 
-#: Limit on elapsed time per limit on processor time; a process that hangs uses no processor time.
+#: Ratio of the limit on elapsed time to that on processor time, for processes that hang.
 _PATIENCE = 10
 
 #: Columns of the table of peers.
@@ -76,7 +76,7 @@ def run_peer(
     soup
         The surface.
     fractions
-        Its volume fractions, for the grid, the kept cells and the volume.
+        Volume fractions of the surface, for the grid, the kept cells and the volume.
     selection
         The threshold and the policy of the model.
     settings
@@ -91,12 +91,12 @@ def run_peer(
     Returns
     -------
     row
-        `PEER_COLUMNS`: status (finished, not installed, not finished in time, or how it failed),
-        the measures of `studies.methods.solids.describe_solid`, the volume over the
-        winding-number volume minus one, and distances in cells of our grid.
+        A row with the columns `PEER_COLUMNS`: status (finished, not installed, not finished in
+        time, or the failure), the measures of `studies.methods.solids.describe_solid`, the ratio of
+        the volume to the winding-number volume minus one, and distances in cells of our grid.
     timing
-        `model`, `peer`, `status`, `elements`, `seconds` and `processor_seconds` of the call alone.
-        It differs from run to run.
+        `model`, `peer`, `status`, `elements`, `seconds` and `processor_seconds` of the call alone,
+        which differ from run to run.
     """
     grid = fractions.grid
     given = {
@@ -124,7 +124,7 @@ def run_peer(
 def _measure(
     points: np.ndarray, cells: np.ndarray, soup: Soup, fractions: VolumeFractions
 ) -> dict[str, Any]:
-    """Return the measures of a solid in a row of the table of peers, and its `elements`."""
+    """Return the measures of a solid for the table of peers, and its number of `elements`."""
     size = fractions.grid.cell_size
     found = describe_solid(points, cells, cell_size=size)
     volume_error = found.pop("volume") / fractions.volume() - 1
@@ -167,7 +167,7 @@ def _run_apart(
 
 
 def compare_with_peers(table: pd.DataFrame) -> pd.DataFrame:
-    """Return one row per peer: how often it matches our mesh, and where it is better.
+    """Return one row per peer that counts how often it matches our mesh and how often it is better.
 
     Parameters
     ----------
@@ -177,11 +177,12 @@ def compare_with_peers(table: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     summary
-        `peer`; `models`, `finished`; of the finished ones how many are `manifold` and have the
-        `same_topology` as our mesh; in how many, compared with our mesh, the boundary is nearer
-        to the surface (`nearer_boundary`), the surface nearer to the boundary (`nearer_surface`),
-        the volume nearer to the winding-number volume (`nearer_volume`), and the worst element
-        better (`better_worst_element`); the medians of the distances, in cells.
+        `peer`; the numbers of `models` and of `finished` ones; among the finished ones, the number
+        that are `manifold`, and that have the `same_topology` as our mesh; the number in which,
+        compared with our mesh, the boundary is nearer to the surface (`nearer_boundary`), the
+        surface nearer to the boundary (`nearer_surface`), the volume nearer to the winding-number
+        volume (`nearer_volume`), and the worst element better (`better_worst_element`); the medians
+        of the distances, in cells.
     """
     betti = ["betti_0", "betti_1", "betti_2"]
     ours = table[table["peer"] == "tusqh"].set_index("model")
@@ -212,7 +213,7 @@ def compare_with_peers(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _to_digits(value: Any, digits: int) -> Any:
-    """Return a number rounded to significant digits; other values unchanged.
+    """Return a number rounded to significant digits; other values do not change.
 
     >>> _to_digits(0.123456, 2), _to_digits("hexes", 1), _to_digits(12, 1)
     (0.12, 'hexes', 12)

@@ -1,4 +1,4 @@
-"""The pinches of the plane and of space, found by enumeration, and their resolution by templates.
+"""Enumerate the pinches of the plane and of space, and resolve them by templates.
 
 Paper: Anti-aliasing, figures of all pinches, of pinches in series and of connecting edges.
 """
@@ -33,17 +33,17 @@ from tusqh.topology.effective import effective_betti
 
 STAGES = ("raw", "separated", "connected")
 
-#: The paper's thresholds of its figure of connecting edges.
+#: The thresholds of the paper's figure of connecting edges.
 THRESHOLDS = (1.0, 0.75, 0.5, 0.25)
 
-#: Columns of the elements of the catalogue: corners that quads lack are empty.
+#: Columns of the elements of the catalogue; the missing corners of quads are empty.
 _CORNERS = [f"{axis}{k}" for k in range(8) for axis in "xyz"]
 
 
 def list_configurations(dim: int) -> list[BoolArray]:
-    """Return one neighbourhood of ``2**dim`` cells for each kind of pinch, by rising cell count.
+    """Return one neighbourhood of ``2**dim`` cells for each kind of pinch, by number of cells.
 
-    Neighbourhoods that are equal up to rotation and reflection are one kind.
+    Neighbourhoods that are equal up to rotation and reflection belong to the same kind.
 
     Parameters
     ----------
@@ -71,9 +71,10 @@ def list_configurations(dim: int) -> list[BoolArray]:
 
 
 def tabulate_catalogue() -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the facts and elements of each configuration, raw and with both decisions.
+    """Return the facts and elements of each raw configuration and of both its decisions.
 
-    Raw cells are not manifold (`sound` is false), and are joined where the prediction separates.
+    Raw cells are not manifold (`sound` is false), and are joined where the prediction separates
+    them.
 
     Returns
     -------
@@ -134,7 +135,7 @@ def _element_rows(name: dict[str, Any], mesh: VolumeMesh) -> pd.DataFrame:
     return table
 
 
-#: Two stairs of pinches, with cells without pinches between them: two clusters.
+#: Two staircases of pinches, hence two clusters, with cells without pinches between them.
 _STAIRS = np.array(
     [[1, 0, 1, 0, 0, 0, 1, 0, 1], [0, 1, 0, 1, 0, 1, 0, 1, 0], [1, 0, 1, 0, 0, 0, 1, 0, 1]],
     dtype=bool,
@@ -142,10 +143,11 @@ _STAIRS = np.array(
 
 
 def resolve_series() -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return facts and shapes of pinches in series: two clusters of adjacent pinches.
+    """Return facts and shapes of pinches in series, which form two clusters.
 
-    The panels: raw; all votes to separate; all to connect; one cluster each way (`both`); and
-    alternating votes, which the policy for mixed clusters decides, in the last two panels.
+    The panels show the raw cells; all votes to separate; all votes to connect; one cluster each way
+    (`both`); and, in the last two panels, alternating votes, which the policy for mixed clusters
+    decides.
 
     Returns
     -------
@@ -189,9 +191,9 @@ def resolve_series() -> tuple[pd.DataFrame, pd.DataFrame]:
 def connect_edges() -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return facts and shapes of blocks joined by thin bars, at the paper's four thresholds.
 
-    A bar of width ``w`` along a line of the grid fills ``w`` of the fictitious cells of its edges
-    and half as much of the adjacent cells: for thresholds between the two its edges alone join
-    the blocks.
+    A bar of width ``w`` along a line of the grid fills the fraction ``w`` of its edges' fictitious
+    cells and half as much of the adjacent cells, so for thresholds between the two only its edges
+    join the blocks.
 
     Returns
     -------

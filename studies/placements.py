@@ -1,8 +1,8 @@
-"""A model in random orientations and offsets, and the grids of several sizes laid over it.
+"""Place a model in random orientations and offsets, and lay grids of several sizes over it.
 
-To turn the grid is to turn the model the other way.  One lattice of blocks is sampled for every
-placement; grids of all sizes are made of it, because the fractions of a grid need its half-block
-means only (`tusqh.sampling.fractions`), and these are means of whole blocks.
+Turning the grid is equivalent to turning the model the other way.  One lattice of blocks is sampled
+for every placement, and grids of all sizes are made from it, because the fractions of a grid need
+only its half-block means (`tusqh.sampling.fractions`), and these are means of whole blocks.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _SAMPLES = 2
 
 @dataclass(frozen=True)
 class Placement:
-    """A rigid motion of the model: turned about the middle of a box, then moved.
+    """A rigid motion of the model, which turns it about the middle of a box and then moves it.
 
     Parameters
     ----------
@@ -85,14 +85,14 @@ def lay_grids(
     geometry
         The model.
     placement
-        Its rotation and shift.
+        Rotation and shift of the model.
     sizes
-        Cells along the longest side of the window or bounding box, before it was turned; the
-        largest has to be a multiple of every other one.
+        Numbers of cells along the longest side of the window or bounding box before the rotation;
+        the largest must be a multiple of every other one.
     window
-        Box outside of which there is no material; it is turned with the model.
+        Box outside of which there is no material; it turns with the model.
     sampling
-        How the fractions are sampled, apart from the number of samples; None: the defaults.
+        How the fractions are sampled, except for the number of samples; None: with the defaults.
     """
     low, high = (np.array(end) for end in window or geometry.bounding_box())
     finest = max(sizes)
@@ -106,7 +106,7 @@ def lay_grids(
     else:
         reach = np.abs(placement.rotation) @ ((high - low) / 2)
         lower, upper = shift - reach, shift + reach
-    # Whole cells of all sizes: as many blocks as these have in common.
+    # The step is a common multiple of all cell sizes, so that the lattice holds whole cells.
     step = 2 * np.lcm.reduce([finest // size for size in sizes])
     first = np.floor(lower / (step * block)).astype(int) * step
     last = np.ceil(upper / (step * block)).astype(int) * step
@@ -128,7 +128,7 @@ def lay_grids(
 
 
 def _on_grid(blocks: FloatArray, lattice: BackgroundGrid, per_half: int) -> VolumeFractions:
-    """Return the fractions on a grid whose half-blocks have this many blocks along each side."""
+    """Return the fractions on a grid with `per_half` blocks along each side of a half-block."""
     split = [k for n in blocks.shape for k in (n // per_half, per_half)]
     means = blocks.reshape(split).mean(axis=tuple(range(1, 2 * blocks.ndim, 2)))
     grid = BackgroundGrid(
@@ -140,7 +140,7 @@ def _on_grid(blocks: FloatArray, lattice: BackgroundGrid, per_half: int) -> Volu
 
 
 def _from_quaternion(quaternion: FloatArray) -> FloatArray:
-    """Return the rotation of a quaternion of any length; of normal ones uniform over SO(3)."""
+    """Return the rotation of a quaternion of any length; normal variates give uniform rotations."""
     w, x, y, z = quaternion / np.linalg.norm(quaternion)
     return np.array(
         [

@@ -1,6 +1,6 @@
-"""Rendering of pages from templates, tables and figures.
+"""Render pages from templates, tables and figures.
 
-A template is Jinja2 text.  It can use the tables and figures that the page was given::
+A template is Jinja2 text.  It can use the tables and figures that are inputs of the page::
 
     {{ value("results/tables/summary.csv", "elements", "model == 'bearings'") }}
     {{ table("results/tables/summary.csv", columns=["model", "verdict"], rows="cells > 100") }}
@@ -27,7 +27,7 @@ _PICTURE_WIDTH = 1400
 
 
 class PageError(TusqhError):
-    """A template is broken, or uses a table or figure that it was not given."""
+    """A template is broken, or uses a table or figure that is not an input."""
 
 
 def picture_name(figure: str) -> str:
@@ -62,7 +62,7 @@ def render_page(
     Parameters
     ----------
     template
-        The Jinja2 template; the files that it includes are beside it.
+        The Jinja2 template; the files that it includes are in the same folder.
     tables
         CSV files that it can use.
     figures
@@ -73,7 +73,7 @@ def render_page(
     Raises
     ------
     PageError
-        The template is broken, uses a file that it was not given or a value that is not unique, or
+        The template is broken, uses a file that is not an input or a value that is not unique, or
         omits a figure.
     """
     given = {path: pd.read_csv(path) for path in tables}
@@ -123,7 +123,7 @@ def render_page(
 
 
 def copy_pictures(figures: Sequence[str], folder: Path) -> list[Path]:
-    """Write figures as pictures of a page, reduced to its width, and return the files.
+    """Write figures, reduced to the width of a page, as its pictures, and return the files.
 
     Each picture keeps the mark of its figure, see `provenance.stamp`.
 
@@ -167,7 +167,7 @@ def _rows(
     rows: str | None = None,
     names: dict[str, str] | None = None,
 ) -> pd.DataFrame:
-    """Return some rows (a pandas query) and columns of a table, the columns renamed."""
+    """Return some rows (a pandas query) and renamed columns of a table."""
     _require(path in given, f"the table {path} is not an input", template)
     found = given[path] if rows is None else given[path].query(rows)
     if columns is not None:
@@ -190,7 +190,7 @@ def _to_markdown(found: pd.DataFrame) -> str:
 
 
 def _show(value: Any) -> str:
-    """Return a value as text with at most four significant digits, empty if missing.
+    """Return a value as text with at most four significant digits; empty if it is missing.
 
     >>> [_show(value) for value in (0.123456, 12345, 1234567.8, True, float("nan"), "raw")]
     ['0.1235', '12345', '1.235e+06', 'yes', '', 'raw']

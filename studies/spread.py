@@ -1,4 +1,4 @@
-"""The spread of Betti numbers over placements of the grid, and its reduction by anti-aliasing."""
+"""Measure the spread of Betti numbers over grid placements, and its reduction by anti-aliasing."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tusqh.threshold.goals import matches
 
 _N_BOOTSTRAP = 2000
 
-#: Columns that are rounded: sums of floating-point numbers.
+#: Columns that are rounded, because they are sums of floating-point numbers.
 _ROUNDED = ("raw_spread", "spread", "shrinks", "low", "high")
 
 
@@ -24,8 +24,8 @@ def measure_spread(
 ) -> pd.DataFrame:
     """Return the spread of Betti numbers over placements, raw and anti-aliased.
 
-    The spread is the root of the summed variances of the three Betti numbers: the typical
-    distance of a placement's numbers from their mean.
+    The spread is the square root of the sum of the variances of the three Betti numbers, which is
+    the typical distance of a placement's numbers from their mean.
 
     Parameters
     ----------
@@ -36,8 +36,7 @@ def measure_spread(
     target
         The Betti numbers that the model must have.
     seed
-        Seed of the bootstrap, which draws placements with replacement, the same ones for all
-        schemes.
+        Seed of the bootstrap, which draws placements with replacement.
 
     Returns
     -------
@@ -45,7 +44,7 @@ def measure_spread(
         One row per `cells`, `threshold` and `scheme` except the first: `raw_spread`, `spread`,
         `shrinks` (the relative reduction), the ends `low` and `high` of its 95 % interval
         (missing if the raw spread is zero); and, for the raw cells and for the scheme, the
-        number of different `topologies`, the share of placements with the most frequent one
+        number of distinct `topologies`, the share of placements with the most frequent one
         (`agreement`) and with the `wanted` one.
     """
     rng = np.random.default_rng(seed)
@@ -132,7 +131,7 @@ def pool_spreads(
 
 
 def spread_of(numbers: FloatArray) -> FloatArray:
-    """Return the root of the summed variances of Betti numbers, shape (..., placements, 3).
+    """Return the square root of the sum of the variances of Betti numbers.
 
     Parameters
     ----------
@@ -148,7 +147,7 @@ def spread_of(numbers: FloatArray) -> FloatArray:
 
 
 def _from_finest(table: pd.DataFrame) -> list[pd.DataFrame]:
-    """Return the rows of each grid size, the finest first."""
+    """Return the rows of each grid size, with the finest first."""
     return [group for _, group in table.groupby("cells", sort=True)][::-1]
 
 

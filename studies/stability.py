@@ -1,4 +1,4 @@
-"""The topology that most placements of the grid share, and the grid that makes it robust."""
+"""Find the topology that most grid placements share, and the grid that makes it robust."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from tusqh.settings.goal import Target
 from tusqh.threshold.goals import matches
 from tusqh.topology.betti_numbers import BettiNumbers
 
-#: Robust: at least this share of placements has the topology at some threshold.  Accident: at most
-#: this share has it at every threshold.
+#: A topology is robust if at least the first share of placements has it at some threshold, and an
+#: accident if at most the second share has it at every threshold.
 ROBUST, ACCIDENT = 0.9, 0.1
 
 
@@ -32,7 +32,7 @@ def map_stability(table: pd.DataFrame, *, name: str, target: Target | None = Non
     -------
     stability
         One row per `cells`, `threshold` and `scheme`: the most frequent `betti_*`, the share of
-        placements with them (`agreement`), the number of different `topologies`, and the share of
+        placements with them (`agreement`), the number of distinct `topologies`, and the share of
         placements with the `wanted` topology (missing without a target).
     """
     rows = []
@@ -64,17 +64,17 @@ def recommend_grid(stability: pd.DataFrame, table: pd.DataFrame) -> pd.DataFrame
     stability
         The stability of one model, see `map_stability`.
     table
-        The placements that it was made from.
+        The placements from which it was made.
 
     Returns
     -------
     recommended
         One row per scheme: the `cells` along the longest side of the coarsest grid on which at
-        least nine of ten placements have one topology (the wanted one, where one is wanted) at
-        one `threshold`, the middle of the longest run of such thresholds; without such a grid the
-        one with the largest share; the `share` of placements; whether that is `robust`; the
-        `betti_*`; over all thresholds of that grid the number of `topologies`, of those that are
-        robust at some threshold (`robust_topologies`), and of `accidents`, which at most one of
+        least nine of ten placements share a topology (the wanted one, if there is one) at one
+        `threshold`, the middle of the longest run of such thresholds, or, without such a grid, of
+        the grid with the largest share; the `share` of placements; whether it is `robust`; the
+        `betti_*`; and, over all thresholds of that grid, the numbers of `topologies`, of those that
+        are robust at some threshold (`robust_topologies`), and of `accidents`, which at most one of
         ten placements has at every threshold.
     """
     rows = []
@@ -114,7 +114,7 @@ def recommend_grid(stability: pd.DataFrame, table: pd.DataFrame) -> pd.DataFrame
 
 
 def most_frequent(numbers: FloatArray) -> tuple[int, float, BettiNumbers]:
-    """Return the number of different topologies, and the share and numbers of the most frequent.
+    """Return the number of distinct topologies, and the share and numbers of the most frequent.
 
     Parameters
     ----------
@@ -124,8 +124,8 @@ def most_frequent(numbers: FloatArray) -> tuple[int, float, BettiNumbers]:
     Returns
     -------
     count, share, numbers
-        Number of different topologies; share of the most frequent one, from 0 to 1; its
-        Betti numbers.
+        Number of distinct topologies; share of the most frequent one, from 0 to 1; its Betti
+        numbers.
     """
     rows, counts = np.unique(numbers.astype(np.int64), axis=0, return_counts=True)
     most = int(counts.argmax())

@@ -1,4 +1,4 @@
-"""Fitness for analysis of raw cells, of cells repaired by whole cells, and of our mesh."""
+"""Measure the suitability for analysis of raw cells, of repaired cells, and of our mesh."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ _STEPS = 20
 def compare_suitability(
     cell_sets: CellSets, thresholds: dict[str, float], chosen: BettiNumbers, *, name: str
 ) -> pd.DataFrame:
-    """Return one row per threshold and scheme: a way to make a mesh of the kept cells.
+    """Return one row per threshold and scheme, which is a way to mesh the kept cells.
 
     Parameters
     ----------
     cell_sets
         The cells of every threshold.
     thresholds
-        Thresholds by name; `OWN_THRESHOLD` is that of the model.
+        Thresholds by name; `OWN_THRESHOLD` is the name of the model's threshold.
     chosen
         Betti numbers for which the threshold of the model was chosen.
     name
@@ -102,7 +102,7 @@ def compare_suitability(
 
 
 def measure_suitability(mesh: VolumeMesh) -> dict[str, Any]:
-    """Return the measures of fitness for analysis of a mesh, see `compare_suitability`.
+    """Return the measures of a mesh's suitability for analysis, see `compare_suitability`.
 
     Parameters
     ----------
@@ -130,8 +130,8 @@ def measure_suitability(mesh: VolumeMesh) -> dict[str, Any]:
 def _leak(mesh: VolumeMesh, lumped: FloatArray, stiffness: Any, part: IntArray) -> float:
     """Return the share of the heat of the largest part that diffuses into other parts.
 
-    The heat starts at the points that no other part has.  Two parts with no facet in common
-    have no common area through which heat could flow, so all of it is an error.
+    The heat starts at the points that belong to no other part.  Two parts without a common facet
+    have no common area through which heat could flow, so the whole leak is an error.
     """
     volumes = mesh.volumes
     in_largest = part == np.append(np.bincount(part, weights=volumes), 0.0).argmax()
@@ -160,18 +160,18 @@ def _volume(mesh: VolumeMesh) -> float:
 
 
 def summarise_suitability(table: pd.DataFrame) -> pd.DataFrame:
-    """Return one row per scheme over all meshes of `compare_suitability`.
+    """Return one row per scheme that summarises all meshes of `compare_suitability`.
 
-    `meshes`; how many are `manifold`, have `mechanisms` or a `leak`; `largest_leak`; meshes
-    `as_chosen` of those at the model's own threshold (`chosen`); `smallest_scaled_jacobian`;
-    median of the `condition` number and the `iterations` over those of the raw cells; the
-    largest `volume_change` against the raw cells; `most_sweeps` of the repair and whether all
-    repairs `ended`.
+    The columns are the number of `meshes`, of `manifold` ones, and of those with mechanisms or a
+    leak; `largest_leak`; the number of meshes `as_chosen` among those at the model's own threshold
+    (`chosen`); `smallest_scaled_jacobian`; the median ratios of the condition number and of the
+    iterations to those of the raw cells; the largest volume change against the raw cells;
+    `most_sweeps` of the repair, and whether all repairs ended.
 
     Parameters
     ----------
     table
-        The tables of `compare_suitability`, as one.
+        The concatenated tables of `compare_suitability`.
     """
     keys = ["model", "choice"]
     volume = 1 + table.set_index(["scheme", *keys])["volume_error"]

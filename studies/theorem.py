@@ -1,9 +1,9 @@
-"""A sweep of the paper's theorem on gaps: where the result depends on offset or orientation.
+"""Sweep the paper's theorem on gaps to find where the result depends on offset or orientation.
 
 The closing and opening widths of a patch (`studies.gap_patch`) determine its outcome at every
-width.  For a set of orientations and offsets, the result is certain up to the smallest
-closing width (always closed) and beyond the largest opening width (always open); between them,
-the *window*, it depends: on the offset or the orientation, or along the gap itself.
+width.  For a set of orientations and offsets, the result is certain up to the smallest closing
+width (always closed) and beyond the largest opening width (always open).  Between them, in the
+*window*, it depends on the offset or the orientation, or varies along the gap itself.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from studies.gap import critical_width, sample_distances
 from studies.gap_patch import RULES, measure_widths
 from tusqh.grid import FloatArray
 
-#: The window that the theorem gives for cells alone and for cells with sub-cells, and the widths
-#: below which it says that orientation cannot be resolved; in cell sizes.
+#: The theorem's windows for cells alone and for cells with sub-cells, and the width below which,
+#: according to the theorem, orientation cannot be resolved; in cell sizes.
 CLAIMED = {
     "touching": (math.sqrt(2) - 1, 1.0),
     "faces": (math.sqrt(2) - 1, 1.0),
@@ -35,8 +35,8 @@ SAMPLES = {2: (0, 2, 4, 8, 16), 3: (0, 2, 4)}
 #: Cells along the gap.
 _LENGTH = {2: 12, 3: 4}
 
-#: The search around an end of a window: number of first orientations, number of rounds, and steps
-#: in parts of the last spacing.  With samples, many orientations are locally best.
+#: Parameters of the search around an end of a window: number of initial orientations, number of
+#: rounds, and steps relative to the last spacing.  With samples there are many local optima.
 _STARTS = {2: 3, 3: 1}
 _ROUNDS = 7
 _STEPS = {2: np.linspace(-1.0, 1.0, 7), 3: np.linspace(-1.0, 1.0, 3)}
@@ -45,7 +45,7 @@ TIE = 1e-9
 
 
 def method_name(samples: int) -> str:
-    """Return the name in tables of the way in which fractions are measured.
+    """Return the name in tables of a method that measures fractions.
 
     Parameters
     ----------
@@ -68,11 +68,11 @@ class Widths:
     ----------
     places
         Coordinates of the orientations, shape (m, dim - 1): in 2D the rotation in degrees, in 3D
-        the second and third component of the normal over the first.
+        the ratios of the second and third components of the normal to the first.
     offsets
-        Shape (k,), in cell sizes.
+        Offsets, shape (k,), in cell sizes.
     closing, opening
-        Shape (m, k, 4), in cell sizes.
+        Widths, shape (m, k, 4), in cell sizes.
     """
 
     places: FloatArray
@@ -101,7 +101,7 @@ def measure(places: FloatArray, offsets: FloatArray, samples: int) -> Widths:
 
 
 def tabulate_orientations(widths: Widths, samples: int) -> pd.DataFrame:
-    """Return, for every orientation and rule, the ends of its own window over all offsets.
+    """Return the ends of the window over all offsets for every orientation and rule.
 
     The columns `smallest_closing` and `largest_opening` bound the widths at which the offset
     matters at that orientation; `middle_width` and `crossing_width` are their values for exact
@@ -141,11 +141,11 @@ def tabulate_orientations(widths: Widths, samples: int) -> pd.DataFrame:
 def crossing_widths(rule: str, normals: FloatArray) -> FloatArray:
     """Return the widest gap that a path can cross with exact fractions, in closed form.
 
-    A step along ``d`` crosses most when it is centred on the gap, so up to the critical width of
-    a cell at distance ``n . d / 2``.  Paths step from cell to cell through a face (`faces`) or
-    any corner (`touching`), or between a cell and a corner of it, half as far (`sub-cells`).  In
-    the `filtration` vertices of the plane never help, because the middle of a pinch across a gap
-    lies in the gap; in space they do.
+    A step along ``d`` crosses the widest gap if it is centred on the gap; that width is the
+    critical width of a cell at distance ``n . d / 2``.  Paths step from cell to cell through a face
+    (`faces`) or any corner (`touching`), or between a cell and one of its corners, which is half as
+    far (`sub-cells`).  In the `filtration`, vertices never help in the plane, because the middle of
+    a pinch across a gap lies in the gap; in space they do.
 
     Parameters
     ----------
@@ -171,7 +171,8 @@ def crossing_widths(rule: str, normals: FloatArray) -> FloatArray:
 def tabulate_sweep(widths: Widths, gap_widths: FloatArray, samples: int) -> pd.DataFrame:
     """Return the number of offsets with each outcome, for every width and orientation.
 
-    `depends` states whether there are two outcomes, or one that is mixed along the gap.
+    `depends` states whether there are different outcomes, or an outcome that is mixed along the
+    gap.
 
     Parameters
     ----------
@@ -201,10 +202,10 @@ def tabulate_sweep(widths: Widths, gap_widths: FloatArray, samples: int) -> pd.D
 
 
 def tabulate_windows(widths: Widths, samples: int) -> pd.DataFrame:
-    """Return the ends of the window of every rule, refined, and the orientations they occur at.
+    """Return the refined ends of the window of every rule, and the orientations where they occur.
 
-    The result is always closed up to `lower` and always open beyond `upper`, which is itself in
-    the window: with exact fractions because a cell that is just half full is kept.
+    The result is always closed up to `lower` and always open beyond `upper`.  The width `upper`
+    itself is in the window, because a cell that is exactly half full is kept.
 
     Parameters
     ----------
@@ -273,7 +274,7 @@ def _spacing(values: FloatArray) -> float:
 
 
 def _into_range(places: FloatArray) -> FloatArray:
-    """Return orientations clipped to the range that represents all up to symmetry."""
+    """Return orientations clipped to the range that represents all orientations up to symmetry."""
     if places.shape[1] == 1:
         return np.clip(places, 0.0, 45.0)
     first = np.clip(places[:, 0], 0.0, 1.0)
@@ -288,7 +289,7 @@ def _name_places(places: FloatArray) -> pd.DataFrame:
 def sweep_methods(
     places: FloatArray, offsets: FloatArray, gap_widths: FloatArray
 ) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
-    """Return orientations, sweep and windows for each way to measure fractions.
+    """Return orientations, sweep and windows for each method that measures fractions.
 
     Parameters
     ----------

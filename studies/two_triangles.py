@@ -1,4 +1,4 @@
-r"""Two blocks that touch at a corner: meshes that never converge (paper: Non-convergence).
+r"""Refine two blocks that touch at a corner, whose meshes never converge (paper: Non-convergence).
 
 Their sides have the slopes -3 and 1; the corner is at (2/3, 0) or at (1/3, 0)::
 
@@ -8,8 +8,8 @@ Their sides have the slopes -3 and 1; the corner is at (2/3, 0) or at (1/3, 0)::
                   \/
                 corner
 
-With *both* corners between the same two blocks, the second upside down and below the first,
-exactly one is joined at a time.  The blocks are cut at a distance of one from the corner, so that
+With *both* corners between the same two blocks (the second corner upside down and below the first)
+exactly one corner is joined at a time.  The blocks are cut at a distance of one from the corner, so
 only the corner is a small feature.
 """
 
@@ -35,15 +35,15 @@ from tusqh.topology.effective import effective_betti
 #: The corners of each case, by the numerator of their x coordinate over 3.
 CASES = {"2/3": (2,), "1/3": (1,), "both": (2, 1)}
 
-#: Number of refinements at which the sub-cells are examined too.
+#: Number of refinements up to which the sub-cells are also examined.
 _SUB_CELL_LEVELS = 7
 
-#: Refinements that are drawn.
+#: Number of refinements that are drawn.
 _DRAWN_LEVELS = 4
 
 
 def blocks_at_corner(thirds: int, *, upside_down: bool = False) -> list[Polygon]:
-    """Return the blocks left and right of the corner at (thirds/3, 0), exact.
+    """Return the exact blocks left and right of the corner at (thirds/3, 0).
 
     Upside down, they are below the line ``y = -1``.
 
@@ -70,7 +70,7 @@ def blocks_at_corner(thirds: int, *, upside_down: bool = False) -> list[Polygon]
 
 
 def blocks_of(case: str) -> list[Polygon]:
-    """Return the geometry of a case, exact and without overlaps.
+    """Return the exact geometry of a case, without overlaps.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def grid_of(case: str, level: int) -> BackgroundGrid:
 
 
 def corner_fraction(thirds: int, level: int) -> Fraction:
-    """Return the exact fraction of the cell with the corner that is filled.
+    """Return the exact filled fraction of the cell with the corner.
 
     Parameters
     ----------
@@ -122,11 +122,11 @@ def corner_fraction(thirds: int, level: int) -> Fraction:
 
 
 def refine(n_refinements: int) -> pd.DataFrame:
-    """Return one row per case and refinement: fractions at the corners, and topology at 1/2.
+    """Return one row per case and refinement, with fractions at the corners and topology at 1/2.
 
-    `joined` names the corners whose cell is kept.  `components` and `holes` are those of the
-    kept cells, which have no pinches; `sub_cell_components` and `sub_cell_holes` those of the
-    mesh with all sub-cells and bridges, up to 7 refinements.
+    `joined` names the corners whose cell is kept.  `components` and `holes` count those of the kept
+    cells, which have no pinches; `sub_cell_components` and `sub_cell_holes` count those of the mesh
+    with all sub-cells and bridges, up to 7 refinements.
 
     Parameters
     ----------

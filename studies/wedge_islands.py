@@ -1,9 +1,10 @@
-"""The islands of a wedge, followed as the grid gets finer (paper: Convergence).
+"""Follow the islands of a wedge as the grid gets finer (paper: Convergence).
 
-Where a wedge is about one cell wide, kept cells are interrupted: an archipelago, between cot(a) / 2
-and cot(a) cells from the apex for an opening angle ``a``.  Refinement moves it towards the apex
-and never removes it.  An island of one grid *continues* one of the next coarser grid when their
-ranges of distance from the apex overlap: the zigzag of components through the sequence of grids.
+Where a wedge is about one cell wide, the kept cells form an archipelago, which lies between
+cot(a) / 2 and cot(a) cells from the apex for an opening angle ``a``.  Refinement moves it towards
+the apex and never removes it.  An island of one grid *continues* an island of the next coarser grid
+if their ranges of distance from the apex overlap; this is the zigzag of components through the
+sequence of grids.
 """
 
 from __future__ import annotations
@@ -23,27 +24,27 @@ from tusqh.grid import QUAD_CORNERS, BackgroundGrid, BoolArray
 APEX = (0.3, 0.7)
 DEGREES, TURN, LENGTH = 4.0, 22.0, 40.0
 
-#: Grids per halving of the cell size.
+#: Number of grids per halving of the cell size.
 GRIDS_PER_HALVING = 4
 
 
 def follow_islands(n_halvings: int) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the components of every grid, and how many there are raw and after anti-aliasing.
+    """Return the components of every grid, and its islands before and after anti-aliasing.
 
     Parameters
     ----------
     n_halvings
-        How often the cell size is halved, from 1; `GRIDS_PER_HALVING` grids each.
+        Number of halvings of the cell size, which starts at 1; `GRIDS_PER_HALVING` grids each.
 
     Returns
     -------
     components
-        One row per grid and component of cells joined by faces: cell size, from where to where it
-        reaches, measured from the apex along the wedge (units of the model), cells, whether it is
-        the main body (the largest), and the rank from the apex of what it continues (-1: new).
+        One row per grid and component of cells joined by faces: cell size, start and stop along the
+        wedge measured from the apex (units of the model), number of cells, whether it is the main
+        body (the largest), and the rank from the apex of the component that it continues (-1: new).
     grids
-        One row per grid: islands raw and of the mesh; how far from the apex they begin and end in
-        cells; born and gone since the last grid.
+        One row per grid: number of islands of the raw cells and of the mesh; the distances from the
+        apex, in cells, at which they begin and end; the numbers born and gone since the last grid.
     """
     polygon = wedge(APEX, DEGREES, TURN, LENGTH)
     tables, counts = [], []
@@ -94,7 +95,7 @@ def _components(kept: BoolArray, grid: BackgroundGrid) -> pd.DataFrame:
 
 
 def _continue(before: pd.DataFrame, now: pd.DataFrame) -> list[int]:
-    """Return for every component which one before it overlaps most, -1 if none."""
+    """Return the component of the last grid that each component overlaps most, -1 if none."""
     low = np.maximum.outer(now["start"].to_numpy(), before["start"].to_numpy())
     high = np.minimum.outer(now["stop"].to_numpy(), before["stop"].to_numpy())
     overlap = high - low

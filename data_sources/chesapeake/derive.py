@@ -5,13 +5,13 @@ The source is the package plotly-geo 1.0.0, which carries the cartographic bound
 UTM zone 18N (EPSG:26918, from longitude and latitude in NAD83, EPSG:4269) rounded to 0.1 m:
 
 ``counties.geojson`` (model ``chesapeake``)
-    The 2016 counties.  Every ring is simplified alone, in degrees and before projecting, so
-    two counties no longer agree on their common border: it gaps and overlaps.
+    The 2016 counties.  Every ring is simplified separately, in degrees and before projection, so
+    two counties no longer agree on their common border, which has gaps and overlaps.
 ``states.geojson`` (model ``chesapeake_clean``)
-    The 2016 states, not simplified, clipped by a box 40 km larger than the window: the whole
-    rings would reach the Ohio.  The clip box shows as straight borders outside the window.
+    The 2016 states, not simplified, clipped by a box 40 km larger than the window, because the
+    whole rings would reach the Ohio.  The clip box appears as straight borders outside the window.
 ``overlay.geojson`` (model ``chesapeake_overlay``)
-    The 2010 counties, not simplified, laid over those states: borders doubled and offset.
+    The 2010 counties, not simplified, laid over those states, with doubled and offset borders.
 
 Every feature is one county or state.  Outer rings run clockwise, as in the source, and repeat
 their first point at the end.  Run it from anywhere: ``python data_sources/chesapeake/derive.py``.
@@ -40,14 +40,14 @@ LOG = logging.getLogger("chesapeake")
 
 #: The window of the models: west, south, east, north in metres (UTM 18N).
 WINDOW = (250_000.0, 4_075_000.0, 490_000.0, 4_391_000.0)
-#: How far beyond the window a polygon is still kept, so that land covers the window fully.
+#: Distance beyond the window up to which a polygon is kept, so that land covers the whole window.
 KEEP_MARGIN = 12_000.0
-#: How far beyond the window the states are cut off.
+#: Distance beyond the window at which the states are clipped.
 CLIP_MARGIN = 40_000.0
-#: Tolerance of the simplification in degrees, about 300 m: well above the source's vertex
-#: spacing, so that borders come apart, and well below the width of a river worth meshing.
+#: Tolerance of the simplification in degrees, about 300 m.  It is well above the source's vertex
+#: spacing, so that borders separate, and well below the width of a river worth meshing.
 SIMPLIFY = 0.003
-#: Decimals of a metre in the files.
+#: Number of decimals of coordinates in metres in the files.
 DECIMALS = 1
 
 TO_UTM = Transformer.from_crs("EPSG:4269", "EPSG:26918", always_xy=True)
@@ -91,7 +91,7 @@ def read_regions(name: str) -> Iterator[Region]:
 
 
 def simplify_rings(region: Region) -> Region:
-    """Return the region with every ring simplified alone; a ring without area is dropped."""
+    """Return the region with every ring simplified separately; rings without area are dropped."""
     polygons, n_collapsed = [], 0
     for polygon in region.polygons:
         rings = [
@@ -123,7 +123,7 @@ def keep_near(region: Region, area: Polygon) -> Region:
 
 
 def clip(region: Region, area: Polygon) -> Region:
-    """Return the region cut off by the area, rings oriented as in the source."""
+    """Return the region clipped by the area, with rings oriented as in the source."""
     whole = MultiPolygon([(polygon[0], polygon[1:]) for polygon in region.polygons])
     cut = shapely.normalize(whole.intersection(area))
     parts = [orient(p, sign=-1.0) for p in shapely.get_parts(cut) if p.geom_type == "Polygon"]
@@ -142,7 +142,7 @@ def near_window(regions: Iterable[Region]) -> list[Region]:
 
 
 def in_the_east(region: Region) -> bool:
-    """Whether a polygon comes near zone 18N at all, to spare projecting the whole country."""
+    """Return whether a polygon comes near zone 18N, so that not all of the country is projected."""
     return any(
         p[0][:, 0].max() > -79.5
         and p[0][:, 0].min() < -73.5
@@ -169,7 +169,7 @@ def to_feature(region: Region, source: str) -> dict[str, Any]:
 
 
 def write_collection(path: Path, description: str, features: list[dict[str, Any]]) -> None:
-    """Write a GeoJSON file, one feature a line."""
+    """Write a GeoJSON file with one feature per line."""
     head = {
         "type": "FeatureCollection",
         "name": path.stem,

@@ -1,8 +1,8 @@
 """Make the analytic solids and the bearing: ``python data_sources/solids/derive.py``.
 
 The bearing follows the outer dimensions of a deep groove ball bearing 608 (ISO 15: bore 8 mm,
-outside diameter 22 mm, width 7 mm).  Its parts are closed surfaces of their own: the balls
-overlap the cage and miss the rings by a tenth of a millimetre, as in assemblies nobody repaired.
+outside diameter 22 mm, width 7 mm).  Its parts are separate closed surfaces: the balls overlap the
+cage and miss the rings by a tenth of a millimetre, as in unrepaired assemblies.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ FOLDER = Path(__file__).parent
 def ring(
     bore: float, outside: float, width: float, groove: float, *, outer: bool
 ) -> trimesh.Trimesh:
-    """Return a ring in mm with a groove of a radius around the pitch circle of 15 mm."""
+    """Return a ring, in mm, with a groove of a given radius around the pitch circle of 15 mm."""
     half = width / 2
     inner, rim = bore / 2, outside / 2
     angles = np.linspace(-0.7, 0.7, 15)

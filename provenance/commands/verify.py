@@ -56,7 +56,7 @@ def verify(
 
 
 def _require_lock(lock: Path) -> None:
-    """Raise an error where a lock that was named does not exist."""
+    """Raise an error if the named lock does not exist."""
     from tusqh.errors import ConfigError
 
     if not lock.is_file():

@@ -1,1 +1,1 @@
-"""Figures of the studies; the figures of a model are in `tusqh.figures`."""
+"""Draw the figures of the studies; the figures of a model are in `tusqh.figures`."""

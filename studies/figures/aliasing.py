@@ -1,4 +1,4 @@
-"""Gaps and a wedge before and after anti-aliasing."""
+"""Draw gaps and a wedge before and after anti-aliasing."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ OUTCOME_COLOURS = {CLOSED: "#4477aa", DEPENDS: "#ee9966", OPEN: "#f4f4f0"}
 
 
 def draw_examples(facts: pd.DataFrame, shapes: pd.DataFrame) -> Figure:
-    """Return each example before and after anti-aliasing, with its Betti numbers.
+    """Return a figure of each example before and after anti-aliasing, with its Betti numbers.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def draw_examples(facts: pd.DataFrame, shapes: pd.DataFrame) -> Figure:
 
 
 def draw_axis_gap(sweep: pd.DataFrame, shapes: pd.DataFrame) -> Figure:
-    """Return the paper's three gaps above the outcome at each offset and width.
+    """Return a figure of the paper's three gaps, above the outcome at each offset and width.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def draw_axis_gap(sweep: pd.DataFrame, shapes: pd.DataFrame) -> Figure:
         rows = sweep[sweep["scheme"] == rule].sort_values("offset")
         _draw_outcomes(panel, rows, float(widths[0]) - 0.1, float(widths[-1]) + 0.1)
         panel.set_title(title, fontsize=9)
-        if rule == "filtration":  # The outcomes of the meshes, on top of the bands.
+        if rule == "filtration":  # Draw the outcomes of the meshes on top of the bands.
             for width in widths:
                 found = rows[f"components_{width}"] == 2
                 for is_open, marker in ((True, "o"), (False, "x")):

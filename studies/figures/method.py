@@ -1,4 +1,4 @@
-"""The samples of sub-cells, and the filtered complex of volume fractions, on small examples."""
+"""Draw the samples of sub-cells and the filtered complex of fractions for small examples."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from tusqh.figures import style
 from tusqh.grid import FloatArray, IntArray
 from tusqh.topology.filtration import Filtration, build_filtration
 
-#: Fractions of 3 x 3 cells, tenths, whose cells from 4 on meet in pinches.
+#: Fractions of 3 x 3 cells, of which those of at least 0.4 meet in pinches.
 _CELLS = np.array([[0.9, 0.2, 0.7], [0.3, 0.6, 0.1], [0.8, 0.4, 0.5]])
 _THRESHOLD = 0.4
 
 
 def draw_method() -> Figure:
-    """Return sample arrays (first row), and complexes of three fields at a threshold (second)."""
+    """Return a figure of sample arrays (first row) and of complexes at a threshold (second row)."""
     figure, axes = style.new_figure(2, 3, width=10.5, height=7.6)
     _draw_samples(axes[0, 0], 4, (2, 2), "s = 4: the samples of a vertex")
     _draw_samples(axes[0, 1], 4, (3, 2), "s = 4: the samples of an edge")
@@ -46,7 +46,7 @@ def _draw_samples(panel: Axes, samples: int, place: tuple[int, int], title: str)
     at = (np.arange(2 * samples) + 0.5) / samples
     lattice = np.stack(np.meshgrid(at, at, indexing="ij"), axis=-1).reshape(-1, 2)
     if samples % 2:
-        # An odd array fits the fictitious cell only when it is moved, onto the boundaries.
+        # An odd array fits the fictitious cell only after a shift onto the cell boundaries.
         lattice = lattice[(lattice < 1).all(axis=1)] + centre - 0.5
     is_in = (np.abs(lattice - centre) < 0.5 - 1e-9).all(axis=1)
     for k in range(3):
@@ -60,7 +60,7 @@ def _draw_samples(panel: Axes, samples: int, place: tuple[int, int], title: str)
 
 
 def _draw_complex(panel: Axes, complex_: Filtration, title: str) -> None:
-    """Draw the cells of the grid, and the part of a complex in the plane at the threshold."""
+    """Draw the cells of the grid, and the part of a planar complex present at the threshold."""
     for (i, j), value in np.ndenumerate(_CELLS):
         colour = style.MATERIAL if value >= _THRESHOLD else "white"
         panel.add_patch(
@@ -94,7 +94,7 @@ def _draw_in_space(panel: Axes, complex_: Filtration) -> None:
 
 
 def _present(complex_: Filtration, k: int, threshold: float = _THRESHOLD) -> IntArray:
-    """Return the k-simplices of a complex at the threshold."""
+    """Return the k-simplices of a complex that are present at the threshold."""
     return complex_.simplices[k][complex_.simplex_values(k) >= threshold]
 
 

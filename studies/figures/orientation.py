@@ -1,4 +1,4 @@
-"""The dependence of the topology on the placement of the grid, and its reduction."""
+"""Draw the dependence of the topology on the placement of the grid, and its reduction."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ _SHIFTS = (-0.1, 0.1, 0.3)
 
 
 def draw_orientation(spread: pd.DataFrame, pooled: pd.DataFrame) -> Figure:
-    """Return the spread, its relative reduction, and the agreement of placements, for each model.
+    """Return a figure of the spread, its reduction, and the agreement of placements by model.
 
-    At the models' chosen thresholds, on the finest grid of the study.
+    It shows the models' chosen thresholds on the finest grid of the study.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def draw_orientation(spread: pd.DataFrame, pooled: pd.DataFrame) -> Figure:
         axes[0, 1].errorbar(
             values,
             np.append(at, len(models)) + shift,
-            # An interval of percentiles does not always contain the value itself.
+            # A percentile interval does not always contain the value itself.
             xerr=np.maximum(0, np.stack([values - ends[0], ends[1] - values])),
             capsize=2,
             linewidth=0.9,

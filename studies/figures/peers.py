@@ -1,4 +1,4 @@
-"""Tusqh and other programs on the same dirty surfaces."""
+"""Compare Tusqh and other programs on the same dirty surfaces."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _PANELS = (
 
 
 def draw_peers(table: pd.DataFrame) -> Figure:
-    """Return one panel per measure, one row per model; hollow markers for non-manifold solids.
+    """Return a figure with a panel per measure and a row per model; hollow means non-manifold.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The pinches and their templates: the catalogue, pinches in series, connecting edges."""
+"""Draw the pinches and their templates: the catalogue, pinches in series, connecting edges."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _BOX = ((0.0, 0.0, 0.0), (2.0, 2.0, 2.0))
 
 
 def draw_catalogue(facts: pd.DataFrame, elements: pd.DataFrame) -> Figure:
-    """Return one column per configuration: its cells, and the meshes for both decisions.
+    """Return a figure with a column per configuration: its cells, and both decisions' meshes.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def _rows(table: pd.DataFrame, dim: int, case: int, stage: str) -> pd.DataFrame:
 
 
 def draw_panels(facts: pd.DataFrame, shapes: pd.DataFrame, *, columns: int, title: str) -> Figure:
-    """Return panels of meshes with their measured Betti numbers.
+    """Return a figure with panels of meshes and their measured Betti numbers.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Figures of meshes that do not converge: two blocks at a corner, and the islands of a wedge."""
+"""Draw meshes that do not converge: two blocks at a corner, and the islands of a wedge."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _CORNERS = {"2/3": "C0", "1/3": "C1"}
 
 
 def draw_two_triangles(rows: pd.DataFrame, shapes: pd.DataFrame) -> Figure:
-    """Return the first refinements of each case, beside fractions and Betti numbers of all.
+    """Return a figure of the first refinements, and of all fractions and Betti numbers, by case.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def draw_two_triangles(rows: pd.DataFrame, shapes: pd.DataFrame) -> Figure:
 
 
 def _draw_fractions(axes: Axes, rows: pd.DataFrame, case: str) -> None:
-    """Draw the largest threshold at which each corner joins the blocks, by refinement."""
+    """Draw the largest threshold at which each corner joins the blocks at each refinement."""
     corners = list(_CORNERS) if case == "both" else [case]
     for corner in corners:
         of_corner = rows[rows["case"] == corner]
@@ -67,7 +67,7 @@ def _draw_fractions(axes: Axes, rows: pd.DataFrame, case: str) -> None:
         )
     axes.axhline(0.5, color="black", linewidth=0.8, linestyle="--")
     axes.set_yticks([7 / 18, 0.5, 10 / 18], ["7/18", "1/2", "10/18"])
-    axes.margins(y=0.25)  # Room for the legend.
+    axes.margins(y=0.25)  # Leave room for the legend.
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_xlabel("refinements")
     axes.set_ylabel("joined below threshold [-]")
@@ -96,7 +96,7 @@ def _draw_betti(axes: Axes, of_case: pd.DataFrame) -> None:
         markersize=5,
         label=r"$\beta_1$, mesh",
     )
-    axes.margins(y=0.25)  # Room for the legend.
+    axes.margins(y=0.25)  # Leave room for the legend.
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_xlabel("refinements")
@@ -105,7 +105,7 @@ def _draw_betti(axes: Axes, of_case: pd.DataFrame) -> None:
 
 
 def draw_wedge_islands(components: pd.DataFrame, grids: pd.DataFrame, *, degrees: float) -> Figure:
-    """Return the positions of the components on each grid, and the number of islands.
+    """Return a figure of the components' positions on each grid, and of the number of islands.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def _draw_tracks(axes: Axes, components: pd.DataFrame) -> None:
 
 
 def _draw_links(axes: Axes, last: pd.DataFrame, table: pd.DataFrame) -> None:
-    """Draw a line from each component to the one of the coarser grid that it continues."""
+    """Draw a line from each component to the component of the coarser grid that it continues."""
     linked = table[table["continues"] >= 0]
     before = last.iloc[linked["continues"]]
     x_now, x_before = (
@@ -159,7 +159,7 @@ def _draw_links(axes: Axes, last: pd.DataFrame, table: pd.DataFrame) -> None:
 
 
 def _draw_counts(axes: Axes, grids: pd.DataFrame, *, cotangent: float) -> None:
-    """Draw the number of islands on each grid, and the range of distances they are in."""
+    """Draw the number of islands on each grid, and their range of distances from the apex."""
     size = grids["cell_size"]
     for column, colour, label in (
         ("islands", style.CONNECTING, "islands of cells joined by faces"),
@@ -191,6 +191,6 @@ def _draw_counts(axes: Axes, grids: pd.DataFrame, *, cotangent: float) -> None:
     axes.set_xlabel("cell size [-], finer to the right")
     axes.set_ylabel("number [-], or distance [cells]")
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-    # The legend is above the highest point.
+    # Put the legend above the highest point.
     axes.set_ylim(top=1.5 * max(float(grids["last_in_cells"].max()), cotangent))
     axes.legend(fontsize=8, frameon=False)

@@ -1,4 +1,4 @@
-"""Panels of cells, elements, sub-cells and geometry, drawn from a table of shapes."""
+"""Draw panels of cells, elements, sub-cells and geometry from a table of shapes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ FILLS = {
 
 
 def draw_shapes(axes: Axes, shapes: pd.DataFrame, title: str) -> None:
-    """Draw the shapes of one panel with equal axes, in cells of the grid.
+    """Draw the shapes of one panel on equal axes, in cells of the grid.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def draw_shapes(axes: Axes, shapes: pd.DataFrame, title: str) -> None:
 
 
 def legend_of(shapes: pd.DataFrame) -> list[Patch | Line2D]:
-    """Return the legend handles of the kinds of shapes in a table.
+    """Return the legend handles for the kinds of shapes in a table.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The topology of a model at each grid size and threshold, and its robustness."""
+"""Draw the topology of a model at each grid size and threshold, and its robustness."""
 
 from __future__ import annotations
 
@@ -15,16 +15,17 @@ from tusqh.figures import style
 
 
 def draw_stability(stability: pd.DataFrame, *, threshold: float, name: str) -> Figure:
-    """Return a map of the most frequent topology of raw cells, and two of our meshes.
+    """Return a figure with maps of the most frequent topology of raw cells and of our meshes.
 
-    Mixed clusters of pinches follow their majority in the one, and the configuration in the other.
+    There are two maps of our meshes: mixed clusters of pinches follow their majority in the first,
+    and the configuration in the second.
 
     Parameters
     ----------
     stability
         See `studies.stability.map_stability`.
     threshold
-        The model's chosen threshold, dimensionless; marked.
+        The model's chosen threshold, dimensionless, which is marked.
     name
         The model, for the title.
     """

@@ -1,4 +1,4 @@
-"""Fitness for analysis of raw cells, of cells repaired by whole cells, and of our meshes."""
+"""Draw the suitability for analysis of raw cells, of repaired cells, and of our meshes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _PANELS: tuple[tuple[str, str, float | None], ...] = (
 
 
 def draw_suitability(table: pd.DataFrame) -> Figure:
-    """Return one panel per measure, one row per model, at the models' own thresholds.
+    """Return a figure with a panel per measure and a row per model, at the models' thresholds.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Maps of the gap widths at which the result depends on offset or orientation."""
+"""Draw maps of the gap widths at which the result depends on offset or orientation."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _CLAIM = "#aa3377"
 
 
 def draw_map(sweep: pd.DataFrame, orientations: pd.DataFrame) -> Figure:
-    """Return the outcome over rotation and width: exact for all rules, then with samples.
+    """Return a figure of the outcome over rotation and width, with exact areas and with samples.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def _draw_outcomes(axes: Axes, rows: pd.DataFrame) -> None:
 
 
 def draw_windows(windows: pd.DataFrame) -> Figure:
-    """Return the ends of the windows over the number of samples, in the plane and in space.
+    """Return a figure of the windows' ends by number of samples, in the plane and in space.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def draw_windows(windows: pd.DataFrame) -> Figure:
     figure, axes = style.new_figure(1, 2, width=11.0, height=5.0)
     for panel, (dim, table) in zip(axes[0], windows.groupby("dimension"), strict=True):
         methods = list(dict.fromkeys(table["method"]))
-        order = [*methods[1:], methods[0]]  # By number of samples, exact fractions last.
+        order = [*methods[1:], methods[0]]  # Order by number of samples, with exact fractions last.
         for k, rule in enumerate(TITLES):
             for end, filled in (("lower", False), ("upper", True)):
                 rows = table[(table["scheme"] == rule) & (table["end"] == end)]
@@ -136,9 +136,10 @@ def draw_windows(windows: pd.DataFrame) -> Figure:
 
 
 def draw_plane_gap(orientations: pd.DataFrame) -> Figure:
-    """Return the ends of the window of every normal of a plane gap, exact, in closed form.
+    """Return a figure of the exact ends of the window for every normal of a plane gap.
 
-    The title says how far patches of cells, at some offsets only, stay within it.
+    The ends are in closed form; the title states how well patches of cells, at some offsets only,
+    agree with them.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Methods that several studies use: meshes, repairs, fractions and measures of the alternatives."""
+"""Methods that several studies share: meshes, repairs, fractions and measures of alternatives."""

@@ -1,4 +1,4 @@
-"""Exact volume fractions of polygons in the plane, in floats or in fractions of integers."""
+"""Compute exact volume fractions of polygons in the plane, with floats or rational numbers."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from tusqh.sampling.fractions import VolumeFractions, round_fractions
 #: Corners of a simple polygon, counter-clockwise.
 Polygon = Sequence[tuple[Any, Any]]
 
-#: `VolumeFractions.samples` of fractions that are areas.
+#: Value of `VolumeFractions.samples` for fractions that are areas.
 EXACT = 0
 
 
 def area_in_boxes(polygon: Polygon, x: Any, y: Any, size: Any) -> Any:
     """Return the area of a polygon inside square boxes, exactly.
 
-    Green's theorem, box by box: the sum over the polygon's sides of the integral of their height
-    above the box's floor, cut to the box.  Only rational arithmetic is used, so numbers of the
-    type `fractions.Fraction` give fractions without any rounding.
+    By Green's theorem it is the sum, over the polygon's sides, of the integral of their height
+    above the box's floor, clipped to the box.  Only rational arithmetic is used, so numbers of type
+    `fractions.Fraction` give fractions without any rounding.
 
     Parameters
     ----------
     polygon
         Corners, counter-clockwise.
     x, y
-        Lower left corners of the boxes, numbers or arrays that broadcast.
+        Lower left corners of the boxes, as numbers or arrays that broadcast.
     size
         Side of the boxes.
 
@@ -56,7 +56,7 @@ def area_in_boxes(polygon: Polygon, x: Any, y: Any, size: Any) -> Any:
 
 
 def _negligible(number: Any) -> float:
-    """Return the limit below which a side counts as vertical or horizontal, against rounding.
+    """Return the limit, due to rounding, below which a side counts as vertical or horizontal.
 
     The error is less than a thousandth of the resolution of fractions.
     """
@@ -74,12 +74,12 @@ def _integral(height: Any, size: Any) -> Any:
 
 
 def exact_fractions(polygons: Sequence[Polygon], grid: BackgroundGrid) -> VolumeFractions:
-    """Return the volume fractions of polygons that do not overlap, by area instead of samples.
+    """Return the volume fractions of non-overlapping polygons, from areas instead of samples.
 
     Parameters
     ----------
     polygons
-        Counter-clockwise corners of each.
+        Counter-clockwise corners of each polygon.
     grid
         A background grid in the plane.
 
@@ -94,7 +94,7 @@ def exact_fractions(polygons: Sequence[Polygon], grid: BackgroundGrid) -> Volume
 
 
 def exact_cell_fractions(polygons: Sequence[Polygon], grid: BackgroundGrid) -> FloatArray:
-    """Return the fractions of the cells alone, shape n, for grids too fine for sub-cells.
+    """Return the fractions of the cells alone, shape n, for grids that are too fine for sub-cells.
 
     Parameters
     ----------

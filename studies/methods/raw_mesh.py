@@ -1,4 +1,4 @@
-"""The mesh and the topology of kept cells whose pinches are not resolved."""
+"""Make the mesh and compute the topology of kept cells whose pinches are not resolved."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ def raw_mesh(
 ) -> VolumeMesh:
     """Return one element per kept cell, sharing the grid vertices between them.
 
-    The boundary is not always a manifold, and parts can be joined by a vertex or an edge only.
+    The boundary is not always a manifold, and parts may be joined only by a vertex or an edge.
 
     Parameters
     ----------
     kept
         Kept cells, shape n.
     grid
-        The background grid, of shape n; one of unit cells at the origin by default.
+        The background grid, of shape n; by default a grid of unit cells at the origin.
     name
         The model, for messages.
 
@@ -51,7 +51,7 @@ def raw_mesh(
 def closed_betti(kept: BoolArray) -> BettiNumbers:
     """Return the Betti numbers of kept cells that are joined wherever they touch.
 
-    They are those of the cells with all pinches connected.
+    They are the Betti numbers with all pinches connected.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Measures of a solid of hexes or tetrahedra: topology, volume, worst element, boundary fit."""
+"""Measure a solid of hexes or tetrahedra: topology, volume, worst element, boundary fit."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tusqh.meshes.measure import measure
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.topology.betti_numbers import BettiNumbers
 
-#: Number of random points on a surface from which distances to another one are measured.
+#: Number of random points on a surface at which distances to another surface are measured.
 _N_POINTS = 20_000
 
 _TET_EDGES = np.array([[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]])
@@ -21,10 +21,10 @@ _TET_FACES = np.array([[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]])
 
 
 def cut_tets(points: FloatArray, tets: IntArray) -> VolumeMesh:
-    """Return tetrahedra cut into four hexes each, one per corner: the same solid.
+    """Return the same solid with each tetrahedron cut into four hexes, one per corner.
 
-    A hex at corner `a` with its neighbours `b`, `c`, `d` has the middles of the edges, faces and
-    tetrahedron that hold `a`.  Neighbours are cut alike, so topology and conformity stay.
+    The corners of the hex at `a` are `a` and the middles of the edges, faces and tetrahedron that
+    contain `a`.  Neighbours are cut consistently, so topology and conformity are preserved.
 
     Parameters
     ----------
@@ -102,8 +102,9 @@ def describe_solid(points: FloatArray, cells: IntArray, *, cell_size: float) -> 
 def measure_fit(points: FloatArray, cells: IntArray, soup: Soup) -> dict[str, float]:
     """Return the distances between the boundary of a solid and a surface, in model units.
 
-    `boundary_mean`, `boundary_max`: from the boundary to the surface; `surface_mean`,
-    `surface_max`: from the surface to the boundary; over random points of known seed.
+    `boundary_mean` and `boundary_max` are distances from the boundary to the surface,
+    `surface_mean` and `surface_max` from the surface to the boundary, over random points with a
+    fixed seed.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Q1 mass and stiffness matrices of any mesh, sound or not, and properties that affect solvers.
+"""Assemble Q1 matrices of any mesh, sound or not, and compute properties that affect solvers.
 
 MFEM accepts sound meshes only (`tusqh.meshes.mfem_mesh`), so the matrices of other meshes are
 assembled here; on sound meshes they equal those of MFEM.
@@ -16,7 +16,7 @@ from scipy.sparse.csgraph import connected_components
 from tusqh.grid import HEX_CORNERS, QUAD_CORNERS, BoolArray, FloatArray, IntArray
 from tusqh.meshes.volume_mesh import VolumeMesh
 
-#: The iteration that the condition number is taken from stops at this relative residual.
+#: Relative residual at which the iteration for the condition number stops.
 _TOLERANCE = 1e-8
 _MAX_ITERATIONS = 5000
 
@@ -76,7 +76,7 @@ def assemble_stiffness(mesh: VolumeMesh, stiffness: FloatArray) -> csr_matrix:
 
 
 def count_kernel(stiffness: csr_matrix) -> int:
-    """Return the number of zero eigenvalues of a Neumann stiffness matrix: one per component.
+    """Return the number of zero eigenvalues of a Neumann stiffness matrix, one per component.
 
     Parameters
     ----------
@@ -87,24 +87,25 @@ def count_kernel(stiffness: csr_matrix) -> int:
 
 
 def estimate_condition(stiffness: csr_matrix) -> tuple[float, int]:
-    """Return the condition number of a singular matrix on its range, and the iterations it took.
+    """Return the condition number of a singular matrix on its range, and the iterations needed.
 
-    Conjugate gradients with Jacobi's preconditioner are Lanczos' iteration in disguise: their
-    coefficients are a tridiagonal matrix whose extreme eigenvalues approach those of the scaled
-    matrix (Golub and Van Loan, Matrix Computations, 11.3).  The right-hand side is in the range,
-    so the zero eigenvalues do not appear.
+    Conjugate gradients with Jacobi's preconditioner are equivalent to the Lanczos iteration: their
+    coefficients form a tridiagonal matrix whose extreme eigenvalues approach those of the scaled
+    matrix (Golub and Van Loan, Matrix Computations, 11.3).  The right-hand side is in the range, so
+    the zero eigenvalues do not appear.
 
     Parameters
     ----------
     stiffness
-        Symmetric and positive semi-definite.
+        The matrix, symmetric and positive semi-definite.
 
     Returns
     -------
     condition
-        Largest over smallest positive eigenvalue of the scaled matrix, from below; dimensionless.
+        Lower estimate of the ratio of the largest to the smallest positive eigenvalue of the scaled
+        matrix, dimensionless.
     iterations
-        Iterations to a relative residual of 1e-8.
+        Number of iterations to a relative residual of 1e-8.
 
     Examples
     --------
@@ -138,7 +139,7 @@ def estimate_condition(stiffness: csr_matrix) -> tuple[float, int]:
 
 
 def label_parts(mesh: VolumeMesh) -> tuple[IntArray, int]:
-    """Return the part of every element, from 0, where only shared facets join, and their number.
+    """Return the part of every element (joined by shared facets), and the number of parts.
 
     Parameters
     ----------
@@ -148,7 +149,7 @@ def label_parts(mesh: VolumeMesh) -> tuple[IntArray, int]:
     Returns
     -------
     part, n_parts
-        Part of each element, shape (m,), int64; number of parts.
+        Part of each element, from 0, shape (m,), int64; number of parts.
 
     Examples
     --------
@@ -169,9 +170,9 @@ def label_parts(mesh: VolumeMesh) -> tuple[IntArray, int]:
 def count_mechanisms(mesh: VolumeMesh) -> int:
     """Return the number of zero modes of an elastic mesh beyond rigid motions of its components.
 
-    Parts that are joined by a vertex or an edge only can rotate about it without energy: additional
-    zero eigenvalues of the stiffness matrix of elasticity.  The count assumes that each part moves
-    rigidly, and that each point shared by parts moves with all of them.
+    Parts joined only by a vertex or an edge can rotate about it without energy, which gives
+    additional zero eigenvalues of the elastic stiffness matrix.  The count assumes that each part
+    moves rigidly, and that each point shared by parts moves with all of them.
 
     Parameters
     ----------
@@ -212,14 +213,14 @@ def _rigid_motions(points: FloatArray) -> FloatArray:
 
 
 def points_of(mesh: VolumeMesh, elements: BoolArray) -> BoolArray:
-    """Return whether each point belongs to some elements, shape (n_points,).
+    """Return whether each point belongs to a chosen element, shape (n_points,).
 
     Parameters
     ----------
     mesh
         The mesh.
     elements
-        Whether each element is meant, shape (m,).
+        Whether each element is chosen, shape (m,).
     """
     is_used = np.zeros(len(mesh.points), dtype=bool)
     is_used[mesh.cells[elements].ravel()] = True

@@ -1,9 +1,9 @@
-"""Repair of pinches by adding and removing whole cells, as Sculpt does.
+"""Repair pinches by adding and removing whole cells, as Sculpt does.
 
-Owen et al. (2017) describe the idea but no rules; these are the simplest ones.  At every pinch
-in turn, the cells around the vertex become the nearest neighbourhood without a pinch: the one
-that is cheapest when changing a cell costs the distance of its fraction to the threshold.  That
-may make new pinches beside it, so the sweep over all vertices is repeated.
+Owen et al. (2017) describe the idea but no rules; the rules here are the simplest ones.  At every
+pinch in turn, the cells around the vertex change to the cheapest neighbourhood without a pinch,
+where changing a cell costs the distance of its fraction to the threshold.  This may create adjacent
+pinches, so the sweep over all vertices is repeated.
 """
 
 from __future__ import annotations
@@ -16,27 +16,27 @@ import numpy as np
 from tusqh.antialias.pinches import find_pinches, pinch_table
 from tusqh.grid import BoolArray, FloatArray
 
-#: A repair that has not ended after this many sweeps repeats itself.
+#: A repair that has not ended after this number of sweeps is in a cycle.
 MAX_SWEEPS = 100
 
-#: Least cost of changing a cell, so that the smallest of equally good repairs is taken.
+#: Smallest cost of changing a cell, so that among equally good repairs the smallest is chosen.
 _LEAST_COST = 2.0**-20
 
 
 @dataclass(frozen=True)
 class Repair:
-    """Cells after a repair by whole cells.
+    """The result of a repair by whole cells.
 
     Parameters
     ----------
     kept
         Kept cells, shape n.
     sweeps
-        Sweeps over all vertices that it took.
+        Number of sweeps over all vertices.
     has_ended
         Whether no pinch is left.
     changes
-        Number of all changes; a cell can change more than once.
+        Total number of changes; a cell can change more than once.
     """
 
     kept: BoolArray
@@ -46,7 +46,7 @@ class Repair:
 
 
 def repair_by_cells(kept: BoolArray, fractions: FloatArray, *, threshold: float) -> Repair:
-    """Return cells without pinches, made by adding and removing whole cells.
+    """Return the repair of cells, which removes pinches by adding and removing whole cells.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def repair_by_cells(kept: BoolArray, fractions: FloatArray, *, threshold: float)
 
     Examples
     --------
-    Of two diagonal cells and two empty ones the one nearest to the threshold changes.
+    Among two diagonal cells and two empty ones, the cell nearest to the threshold changes.
 
     >>> kept = np.eye(2, dtype=bool)
     >>> repair = repair_by_cells(kept, np.array([[1.0, 0.4], [0.1, 0.8]]), threshold=0.5)
@@ -88,7 +88,7 @@ def repair_by_cells(kept: BoolArray, fractions: FloatArray, *, threshold: float)
 
 @numba.njit(cache=True)
 def _sweep(kept, cost, lowest, offsets, is_pinch, max_sweeps):  # type: ignore[no-untyped-def]
-    """Change `kept` in place; return the number of sweeps with changes, and of changes."""
+    """Change `kept` in place, and return the numbers of sweeps with changes and of changes."""
     n_around, n_changes = len(offsets), 0
     for sweep in range(max_sweeps):
         n_before = n_changes

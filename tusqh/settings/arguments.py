@@ -227,7 +227,7 @@ def to_words(settings: Section, *, without: tuple[str, ...] = ()) -> list[str]:
 
 
 def explains_unknown_arguments(function: Callable[P, R]) -> Callable[P, R]:
-    """Decorate a function so that a call with an unknown argument names the nearest known one.
+    """Return a function that, for an unknown argument, names the nearest known one.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The base class of sections, which converts checked plain values to a frozen dataclass and back."""
+"""The base class of sections, which converts plain values to a frozen dataclass and back."""
 
 from __future__ import annotations
 

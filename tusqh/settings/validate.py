@@ -197,7 +197,7 @@ def _count(schema: Mapping) -> str:
 
 
 def to_declared_types(value: Any, schema: Mapping, definitions: Mapping) -> Any:
-    """Convert numbers to the types of their schema, so that 1 and 1.0 are recorded equally.
+    """Return a value with the number types of its schema, so that 1 and 1.0 are recorded equally.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ def to_declared_types(value: Any, schema: Mapping, definitions: Mapping) -> Any:
 
 
 def from_text(value: Any, schema: Mapping, definitions: Mapping) -> Any:
-    """Convert text to numbers where the schema of a value requires numbers.
+    """Return a value after converting text to numbers where its schema requires numbers.
 
     Text with commas becomes a list if a list is allowed, and any text becomes a list if only a list
     is allowed; text that cannot be converted does not change.

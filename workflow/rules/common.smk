@@ -8,7 +8,7 @@ from snakemake.exceptions import WorkflowError
 
 # The folder of this checkout, also when another workflow uses this one as a module.
 BASE = Path(os.fspath(workflow.current_basedir)).parents[1]
-# Scripts find the packages of the checkout, wherever Snakemake runs.
+# Let scripts find the packages of the checkout, wherever Snakemake runs.
 if str(BASE) not in sys.path:
     sys.path.insert(0, str(BASE))
 FOLDERS = [folder for folder in os.environ.get("PYTHONPATH", "").split(os.pathsep) if folder]
@@ -40,7 +40,7 @@ THEORY = expand(
 FOLDERS_OF_RESULTS = {"figures", "page", "provenance", "report", "tables", "tests", "workflow"}
 PAPER_MODELS = {"chesapeake", "bearings", "dragon"}
 PEERS = ["tusqh", "automesh", "pytetwild", "pyvista", "trimesh"]
-# Priority of the steps that lead to a mesh, so that the first models are ready early.
+# Steps that lead to a mesh have priority, so that the first models are ready early.
 MODELS_FIRST = 1
 EXPORTS = ["export_mfem", "export_gmsh", "export_exodus", "export_abaqus"]
 

@@ -16,7 +16,7 @@ rule mesh:
         "../scripts/mesh.py"
 
 
-# Verifies a model at many thresholds, which are not the same for outlines and solids.
+# Verify a model at many thresholds, which differ between outlines and solids.
 rule sweep_2d:
     input:
         **files("fractions", "selection"),

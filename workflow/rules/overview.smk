@@ -1,7 +1,7 @@
 from tusqh.overview.model import FILES_READ, LINK_TITLES
 
 
-# results/report/index.html: all models on one page.  Give more tables or figures to show more.
+# Make results/report/index.html, one page on all models; it shows the tables and figures given here.
 rule overview:
     input:
         geometries=sorted({g for g in GEOMETRY.values() if not g.startswith(PACKAGE)}),

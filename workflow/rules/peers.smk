@@ -23,7 +23,7 @@ rule peers:
     output:
         table=report("results/tables/peers.csv", "../report/peers.rst", category="Tables"),
         summary=report("results/tables/peers_summary.csv", "../report/peers.rst", category="Tables"),
-        # Times differ from run to run, so they have a file of their own.
+        # Times differ from run to run, so they are in a separate file.
         timing="results/tables/peers_timing.csv",
     script:
         "../scripts/peers.py"

@@ -1,4 +1,4 @@
-# What the rules of claims and of the crate read, as far as functions say so.
+# Functions that return the inputs of the rules of claims and of the crate.
 import yaml
 
 from provenance.code import workflow_digest
@@ -15,7 +15,7 @@ WORKFLOW_FILES = [
         for path in (BASE / "workflow").glob(pattern)
     ),
 ]
-# Tables that every configuration makes; the others belong to the paper's models.
+# Every configuration makes these tables; the others belong to the paper's models.
 TABLES_OF_MODELS = {"results/tables/summary.csv", "results/tables/verification.csv"}
 
 

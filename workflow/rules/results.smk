@@ -37,7 +37,7 @@ rule results_page:
         "../scripts/results_page.py"
 
 
-# Not part of `all`: other configurations leave the committed page alone.
+# This is not part of `all`, so that other configurations do not change the committed page.
 rule docs:
     input:
         page="results/page/results.md",

@@ -8,7 +8,7 @@ rule sample:
         window=settings_of("window"),
         sampling=settings_of("sampling"),
         threshold=threshold_of_placement,
-    # Sums are of integers, or within one thread: the result does not depend on their number.
+    # Sums are of integers or within one thread, so the result does not depend on the number of threads.
     threads: 2
     priority: MODELS_FIRST
     script:

@@ -1,4 +1,4 @@
-# Not part of `all`: tests that take minutes, such as killing the workflow 20 times.
+# Tests that take minutes, such as killing the workflow 20 times, are not part of `all`.
 
 
 rule slow_tests:

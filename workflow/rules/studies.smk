@@ -1,4 +1,4 @@
-# Studies of the configured models: fitness for analysis, and dependence on the grid.
+# Studies of the configured models: suitability for analysis, and dependence on the grid.
 rule suitability:
     input:
         **files("fractions", "selection"),

@@ -1,4 +1,4 @@
-# The paper's claims about pinches, gaps and refinement: tables first, figures from them alone.
+# The paper's claims about pinches, gaps and refinement; figures are drawn from the tables alone.
 
 
 rule pinch_catalogue:
