@@ -31,7 +31,7 @@ def repository() -> Path:
 
 @pytest.fixture
 def square() -> Outline:
-    """The unit square, counter-clockwise."""
+    """Return the unit square, counter-clockwise."""
     return Outline.from_chains(
         [np.array([[0.0, 0], [1, 0], [1, 1], [0, 1], [0, 0]])], name="square"
     )
@@ -60,7 +60,7 @@ def make_once(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def built(make_once):
-    """A small project with all its results. No test may change it."""
+    """Return a small project with all its results. No test may change it."""
 
     require_rendering()
 

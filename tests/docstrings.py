@@ -17,7 +17,7 @@ CONFIG = {"checks": CHECKS, "exclude": None, "exclude_files": None, "overrides":
 
 
 class PublicDocstrings(DocstringVisitor):
-    """numpydoc's checks without those of private and nested names."""
+    """Run numpydoc's checks, except on private and nested names."""
 
     def is_command(self, node):
         """Return whether a function is a command; its docstring is the text of ``--help``."""

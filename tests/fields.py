@@ -11,7 +11,7 @@ from tusqh.sampling.fractions import VolumeFractions, round_fractions
 
 
 def make_fractions(cells, vertices=None) -> VolumeFractions:
-    """Fractions with given cell and vertex values on a unit grid; edges are left 0."""
+    """Return fractions with given cell and vertex values on a unit grid; edges are left 0."""
     cells = np.asarray(cells, dtype=float)
     values = np.zeros(tuple(2 * n + 1 for n in cells.shape))
     values[1::2, 1::2] = cells
@@ -22,14 +22,14 @@ def make_fractions(cells, vertices=None) -> VolumeFractions:
 
 
 def random_fractions(rng: np.random.Generator, shape, n_levels: int = 5) -> VolumeFractions:
-    """Random fractions with many ties, zeros and ones."""
+    """Return random fractions with many ties, zeros and ones."""
     cells = rng.integers(0, n_levels, shape) / (n_levels - 1)
     vertices = rng.integers(0, n_levels, np.add(shape, 1)) / (n_levels - 1)
     return make_fractions(cells, vertices)
 
 
 def noise_mesh(shape) -> VolumeMesh:
-    """The mesh of kept cells at random, with pinches of every kind, far from the origin."""
+    """Return the mesh of random kept cells, with pinches of every kind, far from the origin."""
     rng = np.random.default_rng(1)
     kept = rng.random(shape) < 0.6
     pinches = find_pinches(kept)

@@ -1,4 +1,4 @@
-"""Read damaged files, each in a process of its own with limits: ``python fuzzing.py FIRST COUNT``.
+"""Read damaged files, each in a separate limited process: ``python fuzzing.py FIRST COUNT``.
 
 File number k is always damaged in the same way.  Prints one JSON object for each file.
 """
@@ -84,7 +84,7 @@ DAMAGES = (cut, flip, flip_head, swap, repeat, drop, blank, renumber)
 
 
 def damage(samples, number):
-    """Return a sample, the name of what is done to it, and its damaged content."""
+    """Return a sample, the name of its damage, and its damaged content."""
     rng = np.random.default_rng(number)
     path = samples[number % len(samples)]
     change = DAMAGES[rng.integers(len(DAMAGES))]

@@ -41,7 +41,7 @@ def count_parameters(node):
 
 
 def find_beyond(root):
-    """Return what is beyond the limits: (place, what was found), sorted."""
+    """Return the sorted excesses over the limits as pairs (place, what was found)."""
     found = []
     for path in sorted(p for folder in FOLDERS for p in (root / folder).rglob("*.py")):
         place, text = path.relative_to(root).as_posix(), path.read_text()

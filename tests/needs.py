@@ -1,7 +1,7 @@
-"""What some tests need beyond Python packages, and what happens where it is missing.
+"""Requirements of some tests beyond Python packages.
 
-Without it a test is skipped, and the summary says what was not run and how to get what is missing.
-In continuous integration (`CI=true`) a missing tool is a failure.
+If a requirement is missing, its tests are skipped, and the summary states what was not run and how
+to install what is missing. In continuous integration (`CI=true`) a missing tool is a failure.
 """
 
 import importlib
@@ -23,7 +23,7 @@ REMEDIES = {
 
 
 def require(name, problem):
-    """End a test that needs something which is missing: skipped, or failed in CI."""
+    """End a test whose requirement is missing; the test is skipped, or fails in CI."""
     remedy = REMEDIES.get(name, "pip install -r requirements.lock")
     message = f"needs {name}: {problem}; to get it: {remedy}"
     if os.environ.get("CI", "").lower() in ("", "0", "false"):
@@ -54,7 +54,7 @@ def find_browser():
 
 
 def require_rendering():
-    """End a test that renders pictures of solids where VTK has no library to do so."""
+    """End a test that renders pictures of solids if VTK has no library to do so."""
     try:
         check_rendering()
     except SystemLibraryError as error:

@@ -8,7 +8,7 @@ import numpy as np
 
 
 def gf2_rank(columns: list[int]) -> int:
-    """Rank over GF(2) of a matrix whose columns are the bits of integers."""
+    """Return the rank over GF(2) of a matrix whose columns are the bits of integers."""
     pivots: dict[int, int] = {}
     for column in columns:
         while column:
@@ -21,7 +21,7 @@ def gf2_rank(columns: list[int]) -> int:
 
 
 def betti_by_rank(cells) -> tuple[int, int, int]:
-    """Betti numbers of a complex of quads from the ranks of its boundary matrices over GF(2)."""
+    """Return Betti numbers of quads from the ranks of their boundary matrices over GF(2)."""
     edges: dict[tuple[int, int], int] = {}
     vertices: dict[int, int] = {}
     faces = []
@@ -43,7 +43,7 @@ def betti_by_rank(cells) -> tuple[int, int, int]:
 
 
 def simplicial_betti_by_rank(simplices: list[np.ndarray]) -> list[int]:
-    """Betti numbers of a simplicial complex given by its k-simplices, over GF(2)."""
+    """Return the Betti numbers of a simplicial complex given by its k-simplices, over GF(2)."""
     index = [{tuple(sorted(row)): i for i, row in enumerate(level.tolist())} for level in simplices]
     ranks = [0]
     for k in range(1, len(simplices)):
@@ -59,7 +59,7 @@ def simplicial_betti_by_rank(simplices: list[np.ndarray]) -> list[int]:
 
 
 def gudhi_pairs(filtration) -> list[tuple[int, float, float]]:
-    """All pairs (dimension, birth, death) of the full filtration, essential ones with death 0."""
+    """Return all pairs (dimension, birth, death) of the filtration; essential ones die at 0."""
     import gudhi
 
     tree = gudhi.SimplexTree()
@@ -71,10 +71,10 @@ def gudhi_pairs(filtration) -> list[tuple[int, float, float]]:
 
 
 def gudhi_betti(hexes) -> tuple[int, int, int]:
-    """Betti numbers of a hex mesh: every hex cut into simplices from its lowest point numbers.
+    """Return the Betti numbers of a hex mesh, after cutting every hex into simplices.
 
-    The simplex of a chain of faces of a hex (vertex < edge < face < hex) is one of the barycentric
-    subdivision, whose vertices are the different faces of all dimensions.
+    A chain of faces of a hex (vertex < edge < face < hex) is a simplex of the barycentric
+    subdivision, whose vertices are the distinct faces of all dimensions.
     """
     import gudhi
 

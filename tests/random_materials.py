@@ -1,4 +1,4 @@
-"""Random fields of several materials: ties, contradictory sub-cells, labels that fill the box."""
+"""Random fields of several materials with ties, contradictory sub-cells and full boxes."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Small valid files of every format, in its variants: text and binary, compressed or not."""
+"""Small valid files of every variant of a format: text and binary, compressed or not."""
 
 import base64
 import json

@@ -51,14 +51,14 @@ def add_models(folder):
 
 
 def copy_code(repository, folder):
-    """Copy the code into a folder, with what numba and Python have compiled of it."""
+    """Copy the code into a folder, with the caches of numba and Python."""
     for name in CODE:
         copy = shutil.copytree if (repository / name).is_dir() else shutil.copy2
         copy(repository / name, folder / name)
 
 
 def copy_results(built, folder):
-    """Copy a project with its results, without the files that Snakemake keeps for itself."""
+    """Copy a project with its results, without Snakemake's internal files."""
 
     def unneeded(inside, names):
         own = {"log", "locks", "scripts"} if inside.endswith(".snakemake") else set()

@@ -109,7 +109,7 @@ def test_arrays_in_the_plane_are_an_outline():
 
 
 def test_the_workflow_gives_the_same_files(built, tmp_path):
-    """The results are the same from files between processes as from one call in memory."""
+    """Processes that exchange files give the same results as one call in memory."""
     source = built / "data_sources/ring.stl"
     result = tusqh.mesh(source, cells=12, betti=(1, 1), components={"min_cells": 2})
     result.save(tmp_path)

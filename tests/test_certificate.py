@@ -25,7 +25,7 @@ from tusqh.threshold.plateaus import Plateaus
 
 @pytest.fixture
 def folder(tmp_path):
-    """A folder with fractions, mesh and certificate, as the workflow leaves it."""
+    """Return a folder with fractions, mesh and certificate, as the workflow leaves it."""
     fractions = random_fractions(np.random.default_rng(4), (9, 9), n_levels=9)
     policy = Policy(components=Criteria(min_cells=2), holes=Criteria(min_cells=2))
     cell_sets = CellSets(fractions, policy)

@@ -1,4 +1,4 @@
-"""The core: meshing without the libraries of the extras."""
+"""The core can mesh without the libraries of the extras."""
 
 import re
 import subprocess

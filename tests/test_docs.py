@@ -19,7 +19,7 @@ import tusqh
 
 @pytest.fixture(scope="module")
 def site(repository, tmp_path_factory):
-    """The documentation, built without a warning."""
+    """Return the documentation, built without a warning."""
     folder = tmp_path_factory.mktemp("site")
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)]
     nowhere = {"http_proxy": "http://127.0.0.1:9", "https_proxy": "http://127.0.0.1:9"}
@@ -98,7 +98,7 @@ def test_the_first_example_of_the_readme_runs(repository, tmp_path):
 
 @pytest.fixture(scope="module")
 def drawings(repository):
-    """The functions that draw the pictures of the documentation."""
+    """Return the functions that draw the pictures of the documentation."""
     return runpy.run_path(str(repository / "docs/pictures.py"))["DRAWINGS"]
 
 

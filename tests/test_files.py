@@ -1,4 +1,4 @@
-"""The map of files agrees with what is written, and the pages that show it are current."""
+"""The map of files agrees with the files written, and the pages that show it are current."""
 
 import re
 import sys

@@ -1,4 +1,4 @@
-"""The house rules that a machine can keep: layers, linters, the lock, the data register."""
+"""House rules that a machine can check: layers, linters, the lock, the data register."""
 
 import ast
 import csv
@@ -59,7 +59,7 @@ def python_files(repository, *folders):
 
 
 def compiled_functions(tree, *, cached=False):
-    """Names of functions that numba compiles, or of those whose code it keeps on disk."""
+    """Return the names of functions that numba compiles, or of those that it caches on disk."""
     wanted = "cache=True" if cached else "njit"
     return {
         node.name

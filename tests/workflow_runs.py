@@ -9,7 +9,7 @@ SNAKEFILE = Path(__file__).resolve().parent.parent / "Snakefile"
 
 
 def start(folder, *arguments, snakefile=SNAKEFILE, cores=2, **environment):
-    """Start snakemake in a folder, in a session of its own that can be killed as a whole."""
+    """Start snakemake in a folder, in a separate session that can be killed as a whole."""
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile)]
     return subprocess.Popen(
         [*command, "--cores", str(cores), *arguments],

@@ -1,4 +1,4 @@
-"""Archipelagos: joined where the sub-cells say so, and only where the mesh agrees."""
+"""Archipelagos are joined where the sub-cells allow it, if the mesh confirms the bridge."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ from tusqh.settings.policy import Criteria, Policy
 
 
 def field(kept, interior):
-    """Fractions 0.75 of kept cells and of the named doubled-grid places, 0.25 elsewhere."""
+    """Return fractions of 0.75 at kept cells and the given doubled-grid indices, 0.25 elsewhere."""
     kept = np.asarray(kept, dtype=bool)
     values = np.full(tuple(2 * n + 1 for n in kept.shape), 0.25)
     values[1::2, 1::2][kept] = 0.75
@@ -98,7 +98,7 @@ def test_the_prototypes_fault_a_speck_beside_an_exterior_pinch_stays():
 
 
 def test_a_forest_makes_no_hole_and_all_may():
-    """Two bars, with two ways between them."""
+    """There are two ways between the two bars."""
     kept = np.zeros((9, 4), dtype=bool)
     kept[:, 0] = kept[:, 3] = True
     ways = [(x, y) for x in (4, 14) for y in (3, 4, 5)]

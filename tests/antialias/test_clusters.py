@@ -49,7 +49,7 @@ def test_an_even_split_separates_by_majority():
 
 @pytest.mark.parametrize(("edge", "policy"), [(0.25, "majority"), (0.75, "majority")])
 def test_in_space_the_edge_of_a_pinch_votes_with_its_ends(edge, policy):
-    """Two cells at a diagonal share an edge; its ends are pinches too and vote differently."""
+    """Two diagonal cells share an edge, whose ends are also pinches and vote differently."""
     kept = np.zeros((2, 2, 1), dtype=bool)
     kept[0, 0] = kept[1, 1] = True
     values = np.zeros((5, 5, 3))

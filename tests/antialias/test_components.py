@@ -11,7 +11,7 @@ from tusqh.settings.policy import Criteria, Policy
 
 
 def cells_at(fractions, threshold, **criteria):
-    """The cells at a threshold without bridges, which have tests of their own."""
+    """Return the cells at a threshold without bridges, which other tests cover."""
     policy = Policy(bridges="none", **{k: Criteria(**v) for k, v in criteria.items()})
     return CellSets(fractions, policy).at(threshold)
 
@@ -56,7 +56,7 @@ def test_a_removed_component_leaves_a_full_row():
 
 
 def test_a_filled_hole_leaves_a_full_row_and_its_islands_merge():
-    """A lake of 5 x 5 cells with an island, and a pond of one cell; the pond is shallower."""
+    """There are a lake of 5 x 5 cells with an island, and a shallower pond of one cell."""
     cells = np.ones((9, 9))
     cells[1:6, 1:6] = 0.125
     cells[3, 3] = 0.75

@@ -1,4 +1,4 @@
-"""The 3D templates: every neighbourhood, and random fields with random decisions."""
+"""The 3D templates are right in every neighbourhood and on random fields with random decisions."""
 
 import itertools
 
@@ -78,7 +78,7 @@ def test_random_fields_with_random_decisions(start):
 
 
 def test_rotations_and_reflections_give_the_rotated_mesh():
-    """Compared by the centroids of all elements; closing breaks ties by index, so not there."""
+    """Compare the centroids of all elements, except after closing, which breaks ties by index."""
     n_compared = 0
     for seed in range(30):
         rng = np.random.default_rng(seed)

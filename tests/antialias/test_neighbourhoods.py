@@ -1,4 +1,4 @@
-"""Exhaustive: every neighbourhood of a vertex, and every 4 x 4 field."""
+"""Exhaustive tests of every neighbourhood of a vertex and of every 4 x 4 field."""
 
 import itertools
 
@@ -48,7 +48,7 @@ def test_the_two_pinches_of_the_plane_are_the_diagonals():
 
 
 def test_pinch_table_in_space_matches_a_hand_count():
-    """Kept or empty cells of a 2 x 2 x 2 block that shared faces do not connect."""
+    """Count the blocks of 2 x 2 x 2 whose kept or empty cells are not connected by shared faces."""
     expected = 0
     for code in range(256):
         cells = [np.array(c) for b, c in enumerate(itertools.product((0, 1), repeat=3))]
@@ -72,7 +72,7 @@ def test_pinch_table_in_space_matches_a_hand_count():
 
 @pytest.mark.parametrize("policy", ["separate", "connect", "majority"])
 def test_every_3_x_3_field_and_every_vote_of_its_pinches(policy):
-    """All 512 fields with all votes: manifold, and the topology that was predicted."""
+    """All 512 fields with all votes give manifold meshes with the predicted topology."""
     n_meshes = 0
     for code in range(512):
         kept = (code >> np.arange(9) & 1).astype(bool).reshape(3, 3)

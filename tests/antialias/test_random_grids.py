@@ -1,4 +1,4 @@
-"""Random grids with random decisions: always manifold, always the predicted topology."""
+"""Random grids with random decisions give manifold meshes with the predicted topology."""
 
 import numpy as np
 import pytest
@@ -47,7 +47,7 @@ def test_meshes_of_random_grids(start):
 
 @pytest.mark.parametrize("connectivity", [1, 2])
 def test_one_decision_everywhere_is_scikit_images_connectivity(connectivity):
-    """All pinches separated is 4-connectivity, all connected is 8-connectivity."""
+    """Separating all pinches gives 4-connectivity, and connecting all gives 8-connectivity."""
     for seed in range(300):
         kept, _, grid = random_case(seed)
         pinches = find_pinches(kept)
@@ -59,7 +59,7 @@ def test_one_decision_everywhere_is_scikit_images_connectivity(connectivity):
 
 
 def test_decisions_that_break_the_cluster_rule_are_refused():
-    """Opposite decisions at adjacent pinches: an error, never a silent, non-manifold result."""
+    """Opposite decisions at adjacent pinches are an error, never a silent non-manifold result."""
     rng = np.random.default_rng(7)
     n_refused = 0
     for _ in range(400):

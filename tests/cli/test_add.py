@@ -1,4 +1,4 @@
-"""`tusqh add`: both files change, or neither, and nothing else in them."""
+"""`tusqh add` changes both files or neither, and nothing else in them."""
 
 import csv
 import sys
@@ -31,7 +31,7 @@ plate,data_sources/plate.svg,yes,drawn here,,BSD-3-Clause,00,none
 
 @pytest.fixture
 def project(tmp_path):
-    """A small repository beside a folder with a part."""
+    """Return a small repository beside a folder with a part."""
     root = tmp_path / "project"
     for folder in ("config", "data_sources"):
         (root / folder).mkdir(parents=True)
@@ -164,7 +164,7 @@ def test_nothing_is_half_written_when_the_register_cannot_be(project, add):
 
 
 def test_the_committed_configuration_takes_a_model(repository, project, add):
-    """The real file, with its anchors and comments."""
+    """The real file is used, with its anchors and comments."""
     text = (repository / "config/config.yaml").read_text()
     (project / "config/config.yaml").write_text(text)
     assert add("../part.stl", "--name", "part")[0] == 0

@@ -1,4 +1,4 @@
-"""`tusqh inspect` lists few intervals, the useful ones first."""
+"""`tusqh inspect` lists few intervals and the useful ones first."""
 
 import sys
 
@@ -14,7 +14,7 @@ from tusqh.threshold.plateaus import Plateaus, merge_intervals
 
 
 def noise(seed):
-    """Every plateau of a noisy field, which has many intervals."""
+    """Return every plateau of a noisy field, which has many intervals."""
     rng = np.random.default_rng(seed)
     return Plateaus(CellSets(random_fractions(rng, (9, 9), n_levels=65))).table
 

@@ -1,4 +1,4 @@
-"""`tusqh mesh` and `tusqh inspect`: what they print, what they write, how they end."""
+"""The output, the files and the exit codes of `tusqh mesh` and `tusqh inspect`."""
 
 import json
 import os
@@ -24,7 +24,7 @@ COMMAND = [sys.executable, "-m", "tusqh"]
 
 @pytest.fixture(scope="module")
 def ring(tmp_path_factory):
-    """A torus with two triangles missing."""
+    """Return a torus with two triangles missing."""
     path = tmp_path_factory.mktemp("parts") / "ring.stl"
     torus = trimesh.creation.torus(10.0, 3.5, major_sections=24, minor_sections=12)
     torus.update_faces([k not in (7, 90) for k in range(len(torus.faces))])
@@ -33,7 +33,7 @@ def ring(tmp_path_factory):
 
 
 def run(*arguments, folder=None):
-    """Run the command line in a process of its own, as a user does."""
+    """Run the command line in a separate process, as a user does."""
     words = [str(argument) for argument in arguments]
     return subprocess.run([*COMMAND, *words], cwd=folder, capture_output=True, text=True)
 

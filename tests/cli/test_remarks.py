@@ -1,4 +1,4 @@
-"""What was read, left out or changed is printed by `tusqh mesh` and `tusqh inspect`."""
+"""`tusqh mesh` and `tusqh inspect` print what was read, left out or changed."""
 
 import json
 import sys
@@ -13,7 +13,7 @@ LINE_LEFT_OUT = "left out: 1 lines beside polygons"
 
 @pytest.fixture
 def run(tmp_path, capfd, monkeypatch):
-    """Run `tusqh` in a folder of its own; return its output with single spaces."""
+    """Run `tusqh` in a separate folder; return its output with single spaces."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("tusqh.cli.app.catch_signals", lambda: None)
 
@@ -53,7 +53,7 @@ def test_mesh_names_the_parts_that_it_turned(run, repository):
 
 @pytest.fixture
 def bar(tmp_path):
-    """A box of 1 x 2 x 3, as text STL."""
+    """Return a box of 1 x 2 x 3, as text STL."""
     path = tmp_path / "bar.stl"
     trimesh.creation.box((1, 2, 3)).apply_translation((0.5, 1, 1.5)).export(
         path, file_type="stl_ascii"

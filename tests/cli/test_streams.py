@@ -1,4 +1,4 @@
-"""What the command line writes to its streams: whole lines, and nothing of other libraries."""
+"""The command line writes whole lines to its streams, and nothing from other libraries."""
 
 import os
 import re
@@ -26,7 +26,7 @@ for line in sys.stdin:
 
 @pytest.fixture(scope="module")
 def part(tmp_path_factory):
-    """A box in a folder with a long name."""
+    """Return a box in a folder with a long name."""
     path = tmp_path_factory.mktemp("a_name_that_is_long_" * 6) / "part.stl"
     trimesh.creation.box((1, 2, 3)).export(path)
     return path
@@ -34,7 +34,7 @@ def part(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def good_runs(part, tmp_path_factory):
-    """Every format, and every export of quads and of hexes; with the warnings that Python shows."""
+    """Return runs on every format and export, with the warnings that Python shows."""
     folder = tmp_path_factory.mktemp("samples")
     latest = {path.suffix: path for path in write_samples(folder)}
     exports = " ".join(f"-o part.{suffix}" for suffix in ("vtu", "mesh", "msh", "exo", "inp"))

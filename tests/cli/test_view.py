@@ -1,4 +1,4 @@
-"""`tusqh view`: a page from a geometry or a result folder, and a browser that may not be there."""
+"""`tusqh view` makes a page from a geometry or a result folder, with or without a browser."""
 
 import json
 import re

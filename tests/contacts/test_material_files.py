@@ -1,4 +1,4 @@
-"""Files of several materials, read back by other libraries: every material has its volume."""
+"""Files of several materials have the volume of every material when other libraries read them."""
 
 import meshio
 import mfem.ser as mfem
@@ -99,7 +99,7 @@ def test_wrong_input_is_named():
 
 
 def test_fractions_of_labels_are_shares_of_voxels():
-    """Cells of 1, 2 and 3 voxels, against the mean of finer voxels over each cube."""
+    """Compare cells of 1, 2 and 3 voxels with the mean of finer voxels over each cube."""
     rng = np.random.default_rng(0)
     image = rng.integers(0, 3, (6, 6, 6))
     for c in (1, 2, 3):

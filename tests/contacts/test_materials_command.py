@@ -1,4 +1,4 @@
-"""`tusqh mesh --materials`: an image of labels to a mesh with a row for every material."""
+"""`tusqh mesh --materials` meshes an image of labels and prints a row for every material."""
 
 import json
 

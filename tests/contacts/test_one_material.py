@@ -1,4 +1,4 @@
-"""One material: where no vote is overruled, the mesh has the Betti numbers of the diagram."""
+"""If no vote is overruled, the mesh of one material has the Betti numbers of the diagram."""
 
 import numpy as np
 import pytest
@@ -58,7 +58,7 @@ def test_many_fields_in_space():
 
 
 def test_a_real_model_has_the_topology_of_its_diagram(repository):
-    """Bearings on 24 cells: many contacts, wherever all votes are followed."""
+    """Mesh the bearings on 24 cells, which have many contacts, where all votes are followed."""
     geometry = read_source(str(repository / "data_sources/solids/bearings.stl")).geometry
     fractions = sample(geometry, grid=Grid(cells=24, placement="corner"))
     topology = Topology(fractions.multiples)

@@ -1,4 +1,4 @@
-"""Contacts in 2D: every material a manifold, with the predicted Betti numbers."""
+"""With contacts in 2D, every material is a manifold with the predicted Betti numbers."""
 
 import itertools
 
@@ -28,7 +28,7 @@ def check_materials(found, case):
 
 
 def labellings():
-    """The 15 labellings of four cells up to names."""
+    """Return the 15 labellings of four cells up to names."""
     every = itertools.product(range(1, 5), repeat=4)
     return [c for c in every if all(k <= 1 + max(c[:i], default=0) for i, k in enumerate(c))]
 
@@ -66,7 +66,7 @@ def test_3000_random_fields():
 
 
 def test_a_ball_has_the_material_with_the_best_fraction_at_its_vertex():
-    """Four cells of two materials in a cross; the sub-cell in the middle decides."""
+    """Four cells of two materials form a cross, and the sub-cell in the middle decides."""
     for winner in (0, 1):
         image = np.array([[1, 2], [2, 1]]).repeat(4, 0).repeat(4, 1)
         # One voxel more of the winner close to the vertex.

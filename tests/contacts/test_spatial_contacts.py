@@ -1,4 +1,4 @@
-"""Contacts in 3D: every material a manifold, with the predicted Betti numbers."""
+"""With contacts in 3D, every material is a manifold with the predicted Betti numbers."""
 
 import numpy as np
 import pytest
@@ -51,7 +51,7 @@ def test_1700_random_fields():
 
 
 def test_materials_against_a_simplicial_complex():
-    """The same numbers from the barycentric subdivision of the hexes of each material."""
+    """The barycentric subdivision of the hexes of each material gives the same numbers."""
     for seed in range(4):
         fractions, thresholds = random_materials(seed, 3, 3)
         found = mesh_materials(fractions, thresholds=thresholds)
@@ -78,7 +78,7 @@ def spoil(rng):
 
 
 def test_the_fallback_is_manifold_and_as_predicted(monkeypatch):
-    """Sticks at random: what is not good takes the order rule, and the mesh is sound."""
+    """With random sticks, bad vertices take the order rule, and the mesh is sound."""
     n_by_order = 0
     for seed in range(8):
         monkeypatch.setattr(spatial, "improve", spoil(np.random.default_rng(seed)))
@@ -91,7 +91,7 @@ def test_the_fallback_is_manifold_and_as_predicted(monkeypatch):
 
 
 def simplices_of(labels, contacts, material):
-    """The paper's complex of a material: its cells and the contacts decided for it."""
+    """Return the paper's complex of a material: its cells and the contacts decided for it."""
     values = np.zeros(tuple(2 * n + 1 for n in labels.shape))
     values[1::2, 1::2, 1::2] = labels == material
     for cells, decided in (
@@ -106,7 +106,7 @@ def simplices_of(labels, contacts, material):
 
 
 def test_the_prediction_is_the_papers_complex():
-    """Ranks over GF(2) of the listed simplices, for every material."""
+    """Compare with the ranks over GF(2) of the listed simplices, for every material."""
     n_compared = 0
     for seed in range(12):
         fractions, _ = random_materials(seed, 3, 3)
@@ -142,7 +142,7 @@ def test_materials_fill_the_box_and_interfaces_have_two_equal_sides():
 
 
 def test_one_voxel_a_cell_follows_the_voxels():
-    """Where nothing is pinched the mesh is the voxels; the volume of each label is exact."""
+    """Without pinches the mesh consists of the voxels, and the volume of each label is exact."""
     image = np.ones((4, 4, 4), dtype=np.uint8)
     image[1:3, 1:3, 1:] = 7
     found = mesh_materials(fractions_of_labels(image, names={7: "core"}))

@@ -1,4 +1,4 @@
-"""All neighbourhoods of a vertex in 3D: which sticks are good, and what the order rule does."""
+"""The good sticks and the order rule in all neighbourhoods of a vertex in 3D."""
 
 import itertools
 
@@ -16,7 +16,7 @@ MIDDLE, N_BLOCK = 13, 27
 
 
 def partitions(n):
-    """All labellings of n things up to names: every label is at most one above those before it."""
+    """Return all labellings of n things up to names: a label is at most one above those before."""
     found = np.zeros((1, 0), dtype=np.int32)
     for _ in range(n):
         top = found.max(axis=1, initial=-1) + 1
@@ -27,7 +27,7 @@ def partitions(n):
 
 
 def all_orders(labellings):
-    """The labellings with their labels renamed in all orders."""
+    """Return the labellings with their labels renamed in all orders."""
     found = []
     n_labels = labellings.max(axis=1) + 1
     for m in range(1, 9):
@@ -63,7 +63,7 @@ def judge_sticks(labels, sticks, *, tables=TABLES, by_link=False):
 
 
 def choices_of_sticks(labels):
-    """All sticks that a vertex with some octants may have."""
+    """Return all sticks that a vertex with some octants may have."""
     four = [np.unique(labels[around]) for around in TABLES.around]
     return np.array(list(itertools.product(*four)), dtype=np.int32)
 
@@ -87,7 +87,7 @@ def check_choices(labellings):
 
 
 def test_all_labellings_of_a_vertex_by_the_table_and_by_definition():
-    """4140 up to names, 3246 of them pinched."""
+    """There are 4140 labellings up to names, of which 3246 are pinched."""
     assert len(partitions(8)) == 4140
     masks = (partitions(8)[:, :, None] == partitions(8)[:, None]) @ (1 << np.arange(8))
     assert TABLES.is_pinched[masks].any(axis=1).sum() == 3246

@@ -29,7 +29,7 @@ with (FOLDER.parent / "register.csv").open(newline="", encoding="utf-8") as file
 
 
 def land_of(name: str):
-    """What a file covers of the window."""
+    """Return the part of the window that a file covers."""
     features = json.loads((FOLDER / name).read_text(encoding="ascii"))["features"]
     shapes = [shapely.from_geojson(json.dumps(feature["geometry"])) for feature in features]
     return shapely.union_all(shapely.make_valid(shapes)).intersection(WINDOW)

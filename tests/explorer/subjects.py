@@ -20,7 +20,7 @@ from tusqh.topology.persistence import locate_pairs
 
 
 def noise(rng, shape, n_levels=6):
-    """Fractions of cells and sub-cells, independent of each other: pinches everywhere."""
+    """Return independent fractions of cells and sub-cells, which give pinches everywhere."""
     values = rng.integers(0, n_levels, [2 * n + 1 for n in shape]) / (n_levels - 1)
     values[rng.random(values.shape) < 0.02] = -0.25  # Winding numbers leave [0, 1] too.
     grid = BackgroundGrid(shape=tuple(shape), cell_size=0.5, origin=(10.0, -3.0, 1.0)[: len(shape)])
@@ -28,7 +28,7 @@ def noise(rng, shape, n_levels=6):
 
 
 def box_of(grid):
-    """The boundary of the grid's box, as an outline or a soup."""
+    """Return the boundary of the grid's box, as an outline or a soup."""
     if grid.dim == 2:
         (x0, y0), (x1, y1) = grid.origin, grid.upper
         ring = np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]])

@@ -1,4 +1,4 @@
-"""Explorers opened from disk in a browser: what they show is what the library says."""
+"""Explorers opened from disk in a browser show what the library computes."""
 
 import json
 from dataclasses import replace
@@ -41,7 +41,7 @@ def browser():
 
 
 class Opened:
-    """A page with all that went wrong in it."""
+    """A page with all its errors."""
 
     def __init__(self, browser, path):
         self.page = browser.new_page(viewport={"width": 1280, "height": 800})
@@ -85,7 +85,7 @@ def opened(browser, subject, tmp_path_factory):
 
 @pytest.fixture(autouse=True)
 def from_the_start(request):
-    """Begin every test at the chosen threshold, whatever the one before did."""
+    """Begin every test at the chosen threshold, regardless of the test before."""
     if "opened" in request.fixturenames:
         page = request.getfixturevalue("opened")
         page.evaluate(
@@ -317,7 +317,7 @@ def test_something_is_drawn(opened):
 
 
 def test_only_faces_in_sight_are_drawn_and_all_of_them(opened, subject):
-    """Look from all sides: the faces drawn are those whose direction faces the eye."""
+    """From all sides, exactly the faces whose direction faces the viewer are drawn."""
     if subject.fractions.grid.dim == 2:
         assert opened.evaluate("explorer.stage.facing") == [5]
         return
@@ -476,7 +476,7 @@ def test_narrow_windows_show_the_picture_and_nothing_beside_them(opened, width):
 
 @pytest.fixture(scope="module")
 def sparse(browser, tmp_path_factory):
-    """A page on two hills, whose runs of one, two and one component were examined at the ends."""
+    """Return a page on two hills; runs of one, two and one component were examined at the ends."""
     heights = np.interp(np.arange(61), [0, 18, 38, 48, 60], [0.01, 1.0, 0.3, 0.7, 0.01])
     grid = BackgroundGrid(shape=(30, 2), cell_size=0.5, origin=(0.0, 0.0))
     fractions = VolumeFractions.from_values(grid, 4, np.repeat(heights[:, None], 5, axis=1))

@@ -1,4 +1,4 @@
-"""In figures of the plane no text is cut off and no texts overlap."""
+"""In figures of the plane, no text is cut off, and no two texts overlap."""
 
 import itertools
 
@@ -50,7 +50,7 @@ def drawn_words(figure):
 
 
 def check_words(figure):
-    """Every text lies within the figure, and no two lie on each other."""
+    """Check that every text lies within the figure and that no two texts overlap."""
     figure.canvas.draw()
     words = [(text.get_text(), text.get_window_extent()) for text in drawn_words(figure)]
     words = [(text, box) for text, box in words if text]

@@ -239,7 +239,7 @@ def test_decimal_coordinates_are_collinear_up_to_rounding():
 
 @st.composite
 def lattice_chains(draw):
-    """Chains on a small lattice, half of them closed: every degeneracy turns up."""
+    """Return chains on a small lattice, half of them closed, with every degeneracy."""
     corner = st.tuples(st.integers(0, 4), st.integers(0, 4))
     chains = draw(st.lists(st.lists(corner, min_size=2, max_size=7), min_size=1, max_size=4))
     closing = draw(st.lists(st.booleans(), min_size=len(chains), max_size=len(chains)))

@@ -1,4 +1,4 @@
-"""Images of voxels from every format, in one order of axes, and files that are none."""
+"""Images of voxels from every format have one order of axes; other files are refused."""
 
 import nrrd
 import numpy as np

@@ -21,7 +21,7 @@ TETRAHEDRON = trimesh.Trimesh(
 
 
 def corners(soup):
-    """The triangles as sets of coordinates, in one order whatever the file did."""
+    """Return the triangles as sets of coordinates, in an order independent of the file."""
     places = soup.points[soup.triangles]
     places = np.stack([np.roll(p, -np.lexsort(p.T[::-1])[0], axis=0) for p in places])
     return places[np.lexsort(places.reshape(len(places), -1).T[::-1])]

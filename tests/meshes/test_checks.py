@@ -13,7 +13,7 @@ SQUARE = [[0.0, 0], [1, 0], [1, 1], [0, 1]]
 
 
 def lattice(shape, picked):
-    """Quads of a lattice of unit cells, without unused points."""
+    """Return quads of a lattice of unit cells, without unused points."""
     nx, ny = shape
     corners = np.array(
         [

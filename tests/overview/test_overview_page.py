@@ -1,4 +1,4 @@
-"""The overview shows what the tables say, links to files that exist, and escapes everything."""
+"""The overview shows the content of the tables, links to existing files, and escapes all text."""
 
 import hashlib
 import json

@@ -1,4 +1,4 @@
-"""In one call of `tusqh.mesh` nothing is computed twice, and nothing that was not asked for."""
+"""A call of `tusqh.mesh` computes nothing twice and nothing that was not requested."""
 
 import sys
 from collections import Counter
@@ -28,7 +28,7 @@ GOALS = {
 
 
 class Calls:
-    """Counts the calls of functions, whatever name they were imported by."""
+    """Count the calls of functions, regardless of the names they were imported by."""
 
     def __init__(self, *functions):
         self.names = {function.__code__: function.__name__ for function in functions}

@@ -1,4 +1,4 @@
-"""What was read: units and where they come from, counts, boxes, closed or open."""
+"""The description of what was read: units and their origin, counts, boxes, closed or open."""
 
 import json
 

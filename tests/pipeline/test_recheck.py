@@ -1,4 +1,4 @@
-"""`tusqh check` samples the geometry again, puts the grid again, and warns again."""
+"""`tusqh check` repeats the sampling, the placement of the grid and the warnings."""
 
 import json
 
@@ -17,7 +17,7 @@ from tusqh.pipeline.recheck import recheck
 
 @pytest.fixture(scope="module")
 def enclosure():
-    """A closed box whose walls are one and a half cells thick, on a moved grid."""
+    """Return a closed box whose walls are one and a half cells thick, on a moved grid."""
     outer = trimesh.creation.box(bounds=[[0, 0, 0], [12, 9, 6]])
     inner = trimesh.creation.box(bounds=[[1.5] * 3, [10.5, 7.5, 4.5]])
     inner.invert()

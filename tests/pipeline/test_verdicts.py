@@ -1,4 +1,4 @@
-"""No mesh far from an independent volume is suitable without a warning; right ones get none."""
+"""Every mesh whose volume is far from an independent one gets a warning; the others get none."""
 
 import igl
 import numpy as np
@@ -88,7 +88,7 @@ def mesh_of(path):
 
 @pytest.fixture(scope="module")
 def rows():
-    """Every file with its ratio and its warnings."""
+    """Return every file with its ratio and its warnings."""
     found = {f"{p.parent.name}/{p.name}": mesh_of(p) for p in [*cases(), *sample()]}
     return {name: row for name, row in found.items() if row is not None}
 

@@ -1,4 +1,4 @@
-"""A whole project, built once, of which every test may spoil a copy."""
+"""A whole project that is built once; every test may change a copy of it."""
 
 import pytest
 from project import Project
@@ -12,7 +12,7 @@ from provenance.stored import read_records
 
 @pytest.fixture(scope="session")
 def locked(repository, built, make_once):
-    """All results and their lock. No test may change them."""
+    """Return all results and their lock. No test may change them."""
 
     def lock(folder):
         copy_results(built, folder)
@@ -25,7 +25,7 @@ def locked(repository, built, make_once):
 
 @pytest.fixture
 def project(repository, locked, tmp_path, monkeypatch):
-    """A copy of the results, with the code of this repository."""
+    """Return a copy of the results, with the code of this repository."""
     folder = tmp_path / "elsewhere"
     copy_results(locked, folder)
     monkeypatch.chdir(folder)
@@ -34,7 +34,7 @@ def project(repository, locked, tmp_path, monkeypatch):
 
 @pytest.fixture
 def checkout(repository, project, monkeypatch):
-    """A copy of the results, beside a copy of the code that made them."""
+    """Return a copy of the results, beside a copy of the code that made them."""
     copy_code(repository, project.folder)
     monkeypatch.setattr(code, "PACKAGE_ROOT", project.folder)
     return Project(project.folder, project / "Snakefile")

@@ -1,4 +1,4 @@
-"""Results and the workflow that made them, for tests that change either."""
+"""Results and the workflow that made them, for tests that change them."""
 
 import json
 import os
@@ -11,7 +11,7 @@ from tusqh.hashing import canonical_json
 
 
 class Project:
-    """Results with their workflow, in the present folder."""
+    """Results with their workflow, in the current folder."""
 
     def __init__(self, folder, snakefile):
         self.folder = folder
@@ -39,7 +39,7 @@ class Project:
         self.write(name, canonical_json(what).encode())
 
     def flip(self, name):
-        """Flip one bit in the middle of a file, and leave its time stamps as they were."""
+        """Flip one bit in the middle of a file without changing its time stamps."""
         content = bytearray((self.folder / name).read_bytes())
         content[len(content) // 2] ^= 1
         self.write(name, bytes(content))

@@ -1,4 +1,4 @@
-"""Judging RO-Crates without a network: the validator's contexts come from the package rocrate."""
+"""Validate RO-Crates without a network, with the contexts of the package rocrate."""
 
 import json
 from importlib import resources

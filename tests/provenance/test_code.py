@@ -1,4 +1,4 @@
-"""Fingerprints of code: what reaches a step and what does not."""
+"""Fingerprints of code change with the code that a step reaches, and with no other."""
 
 import subprocess
 import sys
@@ -74,7 +74,7 @@ def test_what_moves_the_fingerprint(project, file, text, moves):
 
 
 def test_every_module_that_a_script_really_imports_is_in_its_closure(repository):
-    """The other road: ask Python which modules of the package are loaded."""
+    """As a second method, ask Python which modules of the package are loaded."""
     program = """
 import ast, importlib, sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The commands as a person runs them: what they print, and with which exit code they end."""
+"""The output and the exit codes of the commands, run as a user runs them."""
 
 import json
 import re

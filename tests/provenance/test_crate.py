@@ -1,4 +1,4 @@
-"""The crate is valid for programs that others wrote."""
+"""Programs by other authors accept the crate as valid."""
 
 import io
 import json

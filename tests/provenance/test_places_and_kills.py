@@ -1,4 +1,4 @@
-"""The same results in another place and surroundings, and after any number of sudden deaths."""
+"""Results are the same in another place and environment, and after processes are killed."""
 
 import random
 import shutil

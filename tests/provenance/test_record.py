@@ -16,7 +16,7 @@ from tusqh.hashing import hash_file
 
 
 class Files(list):
-    """What Snakemake gives to scripts: a list with names."""
+    """A list with names, as Snakemake gives it to scripts."""
 
     def __init__(self, **named):
         super().__init__(named.values())

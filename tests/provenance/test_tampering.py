@@ -1,4 +1,4 @@
-"""What nobody should be able to do unnoticed, and what nobody should be bothered about."""
+"""`tusqh verify` notices every change that matters, and does not report those that do not."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""A mesh against its geometry: right ones get no warning, wrong ones the right warning."""
+"""Meshes that agree with their geometry get no warning; others get the right warning."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The thickness of walls against known ones, and the warning where they are thinner than a cell."""
+"""Walls have their known thickness, and walls thinner than a cell cause a warning."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Plates thinner than the samples are apart, and plates of which every cell ties."""
+"""Plates thinner than the distance of the samples, and plates whose cells all tie."""
 
 import netCDF4
 import pytest
@@ -42,7 +42,7 @@ def test_a_plate_that_two_of_four_samples_hit_is_three_times_its_exact_volume(ca
 
 
 def test_the_cell_size_of_the_remedy_resolves_a_plate(cases):
-    """A strip of the same plate, since the whole one has 43,000 cells."""
+    """A strip of the same plate is used, because the whole plate has 43,000 cells."""
     window = ((0, 0, 0), (20, 20, 3))
     result = tusqh.mesh(
         cases / "37_thin_plates/thin_plate.stl", cell_size=1.5, window=window, threshold=0.5

@@ -1,4 +1,4 @@
-"""Sample files in installed packages: right by an independent reader, or refused with a reason."""
+"""Sample files in installed packages agree with another reader or are refused with a reason."""
 
 import json
 

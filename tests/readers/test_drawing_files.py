@@ -1,4 +1,4 @@
-"""Drawings: areas are those of the even-odd rule, or of the fills of SVG."""
+"""The areas of drawings are those of the even-odd rule, or of the fills of SVG."""
 
 import math
 from itertools import pairwise
@@ -20,7 +20,7 @@ def cases(repository):
 
 @pytest.fixture
 def dxf(tmp_path):
-    """A function that draws a DXF and returns its path."""
+    """Return a function that draws a DXF and returns its path."""
 
     def draw(entities):
         document = ezdxf.new()

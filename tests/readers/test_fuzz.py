@@ -1,4 +1,4 @@
-"""Damaged files end in a message or a whole reading: no traceback, crash or hang."""
+"""Damaged files cause a message or are read whole, without a traceback, crash or hang."""
 
 import json
 import subprocess

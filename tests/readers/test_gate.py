@@ -1,4 +1,4 @@
-"""What is not a geometry file of its format is refused before it is read, with a remedy."""
+"""Files that are not geometry of their format are refused before reading, with a remedy."""
 
 import bz2
 import gzip

@@ -1,4 +1,4 @@
-"""What glTF may hold: strips, sparse accessors, mirrored nodes, and files that contradict."""
+"""Content of glTF: strips, sparse accessors, mirrored nodes, and contradictory files."""
 
 import base64
 import json

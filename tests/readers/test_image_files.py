@@ -1,4 +1,4 @@
-"""Images: their place and size in space, axes that are not space, labels, and files cut off."""
+"""Images with positions and sizes in space, other axes and labels, and images that are cut off."""
 
 import subprocess
 import sys
@@ -256,7 +256,7 @@ def write_every_kind(folder):
 
 
 def test_a_file_that_is_cut_anywhere_is_refused_or_complete(tmp_path):
-    """A cut in padding or in text that follows the image can leave all of it."""
+    """A cut in padding, or in text after the image, can leave the image complete."""
     paths, voxels = write_every_kind(tmp_path)
     assert len(paths) == 11
     for path in paths:

@@ -1,4 +1,4 @@
-"""What the mesh of a map lacks, copies, and segments in any direction: said, and the right area."""
+"""Polygons missing from a mesh, copies, and segments in any direction cause remarks."""
 
 import json
 from itertools import pairwise

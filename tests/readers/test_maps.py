@@ -1,4 +1,4 @@
-"""Maps: every polygon has its area, whatever the directions of its rings."""
+"""Every polygon of a map has its area, regardless of the directions of its rings."""
 
 import json
 import shutil

@@ -27,7 +27,7 @@ def svg(path: Path, body: str) -> Path:
 
 
 def chains_of(path: Path) -> list[list[list[float]]]:
-    """The polylines of a file, put together again from the segments."""
+    """Return the polylines of a file, assembled from its segments."""
     outline = read_file(path).geometry
     result = []
     for chain in np.unique(outline.chains):

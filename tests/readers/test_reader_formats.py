@@ -1,4 +1,4 @@
-"""The table of formats: complete, imported only when needed, and the base of messages and docs."""
+"""The table of formats is complete, lazily imported, and the source of messages and docs."""
 
 import re
 import subprocess

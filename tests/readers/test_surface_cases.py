@@ -1,6 +1,6 @@
-"""Surface files that other programs write differently: the right volume and box, or a reason.
+"""Surface files of other programs have the right volume and box, or are refused with a reason.
 
-The files are in tests/cases, see the README there.
+The files are in tests/cases; the README there describes them.
 """
 
 import struct
@@ -191,7 +191,7 @@ def test_damage_is_named(tmp_path, name):
 @pytest.mark.parametrize("order", ["<", ">"])
 @pytest.mark.parametrize("n_cut", [0, 1, 30])
 def test_binary_ply_of_both_byte_orders_is_whole_or_refused(tmp_path, order, n_cut):
-    """Faces have a colour before and a texture list after their corners."""
+    """Faces have a colour before their corners and a texture list after them."""
     name = "little" if order == "<" else "big"
     header = (
         f"ply\nformat binary_{name}_endian 1.0\nelement vertex 8\nproperty double x\n"

@@ -1,4 +1,4 @@
-"""Caps: the same boundary as the soup, in few and small triangles."""
+"""Caps have the same boundary as the soup and consist of few and small triangles."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from tusqh.sampling.closing import close
 
 
 def boundary_of(chain):
-    """The boundary of a chain as a dictionary from coordinates to multiplicities: a slow road."""
+    """Return the boundary of a chain as a dictionary from coordinates to multiplicities, slowly."""
     total = {}
     for corners, times in zip(chain.corners.tolist(), chain.multiplicity.tolist(), strict=True):
         n = len(corners)
@@ -65,7 +65,7 @@ def test_the_same_of_outlines(segments, seed):
 
 
 def tube(n, gap):
-    """A tube of n strips that is slit along its length, the sides of the slit `gap` apart."""
+    """Return a tube of n strips with a slit of width `gap` along its length."""
     angle = np.linspace(gap, 2 * np.pi, n + 1)
     rows = [np.stack([np.cos(angle), np.sin(angle), np.full(n + 1, z)], 1) for z in range(5)]
     points = np.concatenate(rows)
@@ -75,7 +75,7 @@ def tube(n, gap):
 
 
 def test_a_crack_is_closed_by_slivers():
-    """Without zipping, the one loop around slit and both ends would be one fan through the tube."""
+    """Without zipping, the loop around the slit and both ends would be one fan through the tube."""
     soup = tube(24, gap=0.01)
     _, cap = close(soup)
     ends = 2 * np.pi
@@ -95,7 +95,7 @@ def test_sheets_are_their_own_caps_and_closed_soups_have_none():
 
 
 def test_ends_are_joined_to_their_neighbours():
-    """A square of four sides that miss each other at the corners by a hundredth."""
+    """The four sides of the square miss each other at the corners by a hundredth."""
     t = np.linspace(0.01, 0.99, 10)
     low, high = np.zeros(10), np.ones(10)
     sides = [(t, low), (high, t), (t[::-1], high), (low, t[::-1])]

@@ -24,7 +24,7 @@ def soup_of(points, faces, name="soup"):
 
 
 def lattice_over(geometry, n, half=1, margin=0.1):
-    """n half-blocks along the longest side of the bounding box with a margin."""
+    """Return a lattice of n half-blocks along the longest side of the box with a margin."""
     low, high = (np.array(corner) for corner in geometry.bounding_box())
     dim = len(low)
     step = (high - low).max() * (1 + 2 * margin) / (n * half)
@@ -39,7 +39,7 @@ def lattice_over(geometry, n, half=1, margin=0.1):
 
 
 def exact(geometry, lattice):
-    """libigl's sum over all triangles or segments, at every sample."""
+    """Return libigl's sum over all triangles or segments, at every sample."""
     axes = [lattice.places(k) for k in range(3)]
     queries = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
     if isinstance(geometry, Outline):
@@ -97,7 +97,7 @@ def test_random_soups_with_every_kind_of_dirt(seed):
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
 @pytest.mark.parametrize("share_lost", [0.003, 0.3])
 def test_the_tolerance_is_kept_far_from_the_cap_and_near(share_lost, tolerance):
-    """Blocks of all sizes: 144 samples along the longest side, a subset of them compared."""
+    """With 144 samples along the longest side there are blocks of all sizes; compare a subset."""
     soup = noisy_ball(1, share_lost, share_lost)
     lattice = lattice_over(soup, 72, half=2)
     field = make_field(soup, tolerance=tolerance)
@@ -120,7 +120,7 @@ def test_the_airplane_within_the_tolerance_at_its_half_blocks():
 
 
 def test_samples_on_faces_edges_and_corners_agree_along_each_line():
-    """A box whose faces the lattice hits exactly: every line enters as often as it leaves."""
+    """If the lattice hits the faces of a box exactly, every line enters as often as it leaves."""
     box = trimesh.creation.box(extents=(2.0, 2.0, 2.0))
     ones, zero = np.ones(3, dtype=np.int64), np.zeros(3, dtype=np.int64)
     lattice = Lattice(np.full(3, -2.0), 0.5, ones, 9 * ones, zero, 9 * ones)
@@ -134,7 +134,7 @@ def test_samples_on_faces_edges_and_corners_agree_along_each_line():
 
 @pytest.mark.parametrize("missing", range(12))
 def test_samples_in_the_plane_of_an_opening_see_half_of_it(missing):
-    """A box without one of its twelve triangles: lattice planes hold the opening exactly."""
+    """A box lacks one of its twelve triangles, and lattice planes contain the opening exactly."""
     box = trimesh.creation.box(extents=(2.0, 2.0, 2.0))
     faces = np.delete(np.asarray(box.faces), missing, axis=0)
     soup = soup_of(box.vertices, faces)
@@ -174,7 +174,7 @@ coordinate = st.one_of(
 
 @st.composite
 def chains(draw, dim):
-    """Points and simplices that share, repeat and collapse their corners."""
+    """Return points and simplices that share, repeat and collapse their corners."""
     points = draw(st.lists(st.tuples(*[coordinate] * dim), min_size=dim, max_size=9))
     corner = st.integers(0, len(points) - 1)
     simplices = draw(st.lists(st.tuples(*[corner] * dim), min_size=1, max_size=12))

@@ -29,7 +29,7 @@ def random_outline(rng, n_chains=3):
 
 
 def brute_force_fraction(outline, grid, samples, doubled):
-    """The paper's definition: the mean over the fictitious cell centred at a primal cell."""
+    """Return the mean over the fictitious cell centred at a primal cell, as in the paper."""
     half = samples // 2
     total = 0.0
     offsets = (np.arange(samples) - half + 0.5) / samples

@@ -1,4 +1,4 @@
-"""Parts that point inwards are turned, cavities are kept, and both are said."""
+"""Parts that point inwards are turned, cavities are kept, and both cause a remark."""
 
 from pathlib import Path
 
@@ -21,7 +21,7 @@ def soup_of(*meshes):
 
 
 def as_stl(soup):
-    """The same triangles without connectivity, in one part."""
+    """Return the same triangles without connectivity, in one part."""
     points = soup.points[soup.triangles].reshape(-1, 3)
     numbers = np.arange(len(points)).reshape(-1, 3)
     return Soup(points, numbers, np.zeros(len(numbers), dtype=np.int64))

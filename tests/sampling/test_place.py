@@ -1,4 +1,4 @@
-"""`placement: auto` makes the volume right, never worse than at the corner, and is reproducible."""
+"""`placement: auto` is reproducible, and its volume is never worse than at the corner."""
 
 import itertools
 import json
@@ -27,7 +27,7 @@ def solid(*meshes):
 
 
 def enclosure(sides, wall):
-    """A closed box with a wall, and the volume of the wall."""
+    """Return a closed box with a wall, and the volume of the wall."""
     outer = trimesh.creation.box(bounds=[[0, 0, 0], sides])
     inner = trimesh.creation.box(bounds=[[wall] * 3, np.subtract(sides, wall)])
     inner.invert()
@@ -40,7 +40,7 @@ def kept_volume(fractions, threshold=0.5):
 
 
 def samples_in(grid, low, high):
-    """Samples of each cell inside an axis-aligned box, counted along each axis: a second road."""
+    """Count the samples of each cell inside an axis-aligned box along each axis, independently."""
     counts = []
     for axis in range(grid.dim):
         places = np.arange(4 * grid.shape[axis]) + 0.5

@@ -1,4 +1,4 @@
-"""Fractions from voxels, by three roads: half voxels, an integral, and the winding number."""
+"""Fractions from voxels by three methods: half voxels, an integral, and the winding number."""
 
 import hypothesis.extra.numpy as arrays
 import hypothesis.strategies as st
@@ -17,7 +17,7 @@ from tusqh.settings.sampling import Sampling
 
 
 def integrate(image, grid):
-    """Fractions by definition: the integral over each fictitious cell, one axis at a time."""
+    """Return fractions by definition: integrate over each fictitious cell, one axis at a time."""
     values = image.fractions()
     for axis, (n, origin) in enumerate(zip(grid.shape, grid.origin, strict=True)):
         edges = np.arange(values.shape[axis] + 1.0)
@@ -66,7 +66,7 @@ def test_fractions_are_integrals(grey, cells, voxel_size):
 
 @pytest.mark.parametrize("cells", [8, 4, 3, 2])
 def test_a_surface_around_the_voxels_gives_the_same(cells):
-    """The winding number of all cubes, sampled where half voxels have their centres."""
+    """Sample the winding number of all cubes at the centres of half voxels."""
     kept = np.random.default_rng(5).random((8, 8, 8)) < 0.4
     image = Image.from_voxels(kept, voxel_size=0.5)
     cubes = [

@@ -1,4 +1,4 @@
-"""A setting without an effect on a geometry is named in a remark, and has no effect indeed."""
+"""A remark names every setting that has no effect on a geometry."""
 
 import dataclasses
 

@@ -84,7 +84,7 @@ def test_every_section_survives_the_way_to_plain_values_and_back(repository):
     ],
 )
 def test_the_command_line_says_every_setting(block):
-    """Two ways: the words that the explorer shows are read by the options."""
+    """The options read the words that the explorer shows."""
     settings = Settings.from_dict(block)
     read = []
     app = typer.Typer()

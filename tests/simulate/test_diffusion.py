@@ -17,7 +17,7 @@ DIFFUSIVITY = 0.3
 
 
 def error_at_end(n, n_steps, *, wobble=0.0, end=0.1):
-    """L2 error of the decaying mode cos(pi x) cos(pi y), which has no flux through the sides."""
+    """Return the L2 error of the decaying mode cos(pi x) cos(pi y), which has no boundary flux."""
     operators = assemble(unit_square(n, wobble))
     mode = np.cos(np.pi * operators.nodes[:, 0]) * np.cos(np.pi * operators.nodes[:, 1])
     lumped = lump(operators.mass)

@@ -61,7 +61,7 @@ def test_a_model_without_a_known_unit_keeps_its_own():
 
 
 def test_the_default_time_lets_the_release_spread_but_not_vanish():
-    """The time step follows from the size, so that a part of 50 mm is drawn like one of 50 m."""
+    """The time step follows from the size, so a part of 50 mm is drawn like a part of 50 m."""
     part = rescaled(unit_cube(10), 50.0)
     table = simulate_diffusion(part, unit="mm").table
     largest = table["concentration_max"].to_numpy()

@@ -89,7 +89,7 @@ def test_antialiasing_opens_the_gap_and_joins_the_wedge():
 
 
 def test_axis_gaps_of_real_meshes_open_as_the_closed_form_says():
-    """Open when the best of the columns is more than half empty: L and overlap, by hand."""
+    """A gap is open if its best column is more than half empty; length and overlap are by hand."""
     table = sweep_axis_gap(24)
     rows = table[table["scheme"] == "filtration"]
     for width in (0.4, 0.75, 1.2):

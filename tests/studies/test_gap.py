@@ -1,4 +1,4 @@
-"""Fractions of cells cut by a gap, and the widths at which patches open, by two roads each."""
+"""Fractions of cells cut by a gap, and widths at which patches open, by two methods each."""
 
 import itertools
 
@@ -26,7 +26,7 @@ EXACT = np.empty(0)
 
 
 def strip(normal, middle, width, reach=50.0):
-    """The polygon of a gap whose middle line is at signed distance `middle` from the origin."""
+    """Return the polygon of a gap whose middle line is at a signed distance from the origin."""
     along = np.array([-normal[1], normal[0]])
     return Polygon(
         [
@@ -95,7 +95,7 @@ def test_the_real_mesh_without_bridges_joins_exactly_when_the_filtration_does(sa
 @pytest.mark.parametrize("rule", range(4))
 @pytest.mark.parametrize("degrees", [0.0, 12.0, 31.0, 45.0])
 def test_the_bottleneck_is_that_of_a_plain_flood(rule, degrees):
-    """The opening width, against labelling kept places of a large doubled grid, width by width."""
+    """Compare the opening width with labelling a large doubled grid, width by width."""
     normal = normals_of(np.array([[degrees]]))[0]
     offset, n = 0.37, 5
     _, opening = measure_widths(normal[None], np.array([offset]), EXACT[None], length=n)
@@ -140,7 +140,7 @@ def flood_crosses(kept):
 
 
 def test_the_real_sampler_measures_the_same_fractions():
-    """Fractions of two half-planes by winding numbers, against the counts of a gap's samples."""
+    """Compare fractions of two half-planes by winding numbers with counts of a gap's samples."""
     degrees, width, samples = 23.0, 0.83, 8
     normal = normals_of(np.array([[degrees]]))[0]
     grid = BackgroundGrid(shape=(8, 6), cell_size=1.0, origin=(0.0, 0.0))
@@ -168,7 +168,7 @@ def test_an_oblique_plane_gap_is_joined_at_vertices_only_when_mixed_clusters_con
 ):
     """Along the diagonal the filtration joins across a gap that no shared face crosses.
 
-    The pinch edges of the same cluster vote otherwise, so in the mesh the policy has the say.
+    The pinch edges of the same cluster vote differently, so the policy decides in the mesh.
     """
     normal = normals_of(np.array([[1.0, 1.0]]))[0]
     _, opening = measure_widths(normal[None], np.array([0.25]), EXACT[None], length=5)

@@ -1,4 +1,4 @@
-"""Placements, spreads and stability maps, each against a second way to the same numbers."""
+"""Placements, spreads and stability maps, each compared with a second method."""
 
 from dataclasses import replace
 
@@ -64,7 +64,7 @@ def test_random_rotations_are_rotations_and_the_same_each_time():
 
 
 def test_the_window_turns_with_the_model():
-    """Half of a square is outside of the window: the same area is left at every angle."""
+    """Half of a square is outside the window, so the same area remains at every angle."""
     square = polygon((0, 0), (4, 0), (4, 4), (0, 4))
     window = ((2.0, -1.0), (5.0, 5.0))
     for placement in random_placements(2, 6, seed=2):
@@ -88,7 +88,7 @@ def test_raw_betti_numbers_are_those_of_the_mesh_of_the_cells():
 
 
 def made_up(raw, decided, policy, cells=8, threshold=0.5):
-    """A table of placements with given numbers of components."""
+    """Return a table of placements with given numbers of components."""
     rows = [
         (n, cells, threshold, scheme, value, 0, 0)
         for scheme, values in zip(SCHEMES, (raw, *[decided] * 4, policy), strict=True)

@@ -1,4 +1,4 @@
-"""Other meshers: their measures have known answers, and they cannot stop the workflow."""
+"""Other meshers are measured correctly on known cases and cannot stop the workflow."""
 
 import numpy as np
 import pandas as pd
@@ -23,7 +23,7 @@ FIVE = np.array([[0, 1, 2, 4], [3, 2, 1, 7], [5, 4, 7, 1], [6, 7, 4, 2], [1, 2, 
 
 
 def tets_of_cells(kept):
-    """Every kept cell as six tetrahedra around its main diagonal: conforming everywhere."""
+    """Return every kept cell as six conforming tetrahedra around its main diagonal."""
     mesh = raw_mesh(kept, BackgroundGrid(kept.shape, 1.0, (0.0, 0.0, 0.0)))
     ways = [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]]
     return mesh, mesh.cells[:, ways].reshape(-1, 4)
@@ -65,7 +65,7 @@ def test_the_hexes_of_a_tet_are_positive_and_fill_it():
 
 
 def test_the_fit_of_a_box_in_a_larger_box():
-    """A unit cube in the middle of one of side 2: its boundary is half a unit inside."""
+    """The boundary of a unit cube in the middle of a cube of side 2 is half a unit inside."""
     cube = np.array([[0, 1, 3, 2, 4, 5, 7, 6]])
     fit = measure_fit(CUBE, cube, box((-0.5,) * 3, (1.5,) * 3))
     assert fit["boundary_mean"] == pytest.approx(0.5)
@@ -109,7 +109,7 @@ def test_every_peer_meshes_a_box(peer):
 
 
 def test_our_mesh_is_the_one_of_the_pipeline():
-    """All settings reach the peer called tusqh: a policy and a window that change the mesh."""
+    """All settings reach the peer called tusqh, including a policy and a window."""
     settings = {"grid": {"cells": 8}, "window": {"lower": [0, 0, 0], "upper": [1, 1, 1]}}
     row, timing = run("tusqh", settings=settings)
     assert timing["elements"] == 8**3

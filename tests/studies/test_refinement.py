@@ -48,7 +48,7 @@ def test_the_corner_alternates_exactly_between_ten_and_seven_eighteenths(thirds)
 @pytest.mark.parametrize("case", ["2/3", "1/3", "both"])
 @pytest.mark.parametrize("level", [0, 1, 3])
 def test_fractions_agree_with_the_real_sampler(case, level):
-    """Winding numbers of many samples, away from the exact areas by at most their resolution."""
+    """Winding numbers of many samples differ from the exact areas by at most their resolution."""
     grid = grid_of(case, level)
     rings = [np.array([*block, block[0]], dtype=float) for block in blocks_of(case)]
     sampled = sample_fractions(Outline.from_chains(rings), grid, sampling=Sampling(samples=48))
@@ -75,7 +75,7 @@ def test_the_blocks_join_and_part_in_turn_and_both_corners_hide_it():
 
 
 def test_the_joined_corner_is_where_the_flood_passes():
-    """With both corners, dropping the joined corner's cell parts the blocks."""
+    """With both corners, removing the cell of the joined corner separates the blocks."""
     for level in (1, 2):
         grid = grid_of("both", level)
         polygons = [[(float(a), float(b)) for a, b in block] for block in blocks_of("both")]
@@ -104,7 +104,7 @@ def test_islands_move_to_the_apex_and_never_go():
 
 
 def test_a_wedge_from_a_grid_vertex_looks_the_same_at_every_refinement():
-    """The whole pattern near the apex repeats, half as large: it cannot converge."""
+    """The whole pattern near the apex repeats at half the size, so it cannot converge."""
     patterns = []
     for level in range(3):
         size = 2.0**-level

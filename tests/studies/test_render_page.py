@@ -1,4 +1,4 @@
-"""Pages made from a template: the tables and figures that it can and cannot use."""
+"""Templates of pages can use some tables and figures and cannot use others."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What an analysis meets: pinches, zero modes, mechanisms and leaks, each counted in two ways."""
+"""Pinches, zero modes, mechanisms and leaks of a mesh, each counted in two ways."""
 
 import itertools
 
@@ -52,7 +52,7 @@ def random_cells(seed, dim, density=0.5):
 
 
 def elasticity(mesh):
-    """Stiffness of plane or solid elasticity by another quadrature: 3 points along every axis."""
+    """Return the stiffness of elasticity by another quadrature, with 3 points along every axis."""
     dim, n = mesh.dim, len(mesh.points)
     matrix = np.zeros((n * dim, n * dim))
     places, weights = np.polynomial.legendre.leggauss(3)
@@ -178,7 +178,7 @@ def test_heat_leaks_through_a_pinch_and_not_through_nothing():
 
 
 def test_the_comparison_of_a_gap():
-    """Two blocks that meet in a diagonal chain of pinches, whose sub-cells are exterior."""
+    """The two blocks meet in a diagonal chain of pinches, whose sub-cells are exterior."""
     n = 8
     values = np.zeros((2 * n + 1, 2 * n + 1))
     kept = np.fromfunction(lambda i, j: (i + j) % n != n - 1, (n, n)) | np.eye(n, dtype=bool)

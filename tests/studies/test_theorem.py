@@ -1,4 +1,4 @@
-"""The windows of the theorem, against the numbers it states and against exhaustive patches."""
+"""The windows of the theorem agree with the numbers it states and with exhaustive patches."""
 
 import math
 
@@ -59,7 +59,7 @@ def test_closed_forms_are_what_patches_have(places):
 
 
 def test_orientation_cannot_be_resolved_below_half_a_cell():
-    """Where an axis-aligned gap is closed everywhere, a diagonal one is not."""
+    """A diagonal gap can be open although an axis-aligned gap of its width is always closed."""
     along, across = normals_of(np.array([[0.0], [45.0]]))
     assert critical_width(0.0, along, np.empty(0)) == pytest.approx(0.5)
     assert critical_width(0.0, across, np.empty(0)) == pytest.approx(math.sqrt(2) - 1)

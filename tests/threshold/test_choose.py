@@ -28,7 +28,7 @@ def choose(fractions, policy=None, **wanted):
 
 
 def mesh_of(fractions, chosen):
-    """The mesh as the workflow makes it: from the threshold and policy of the selection."""
+    """Return the workflow's mesh, made from the threshold and policy of the selection."""
     cells = CellSets(fractions, chosen.policy).at(chosen.threshold)
     assert cells.predicted == chosen.predicted
     return build_mesh(cells, fractions.grid).mesh

@@ -1,4 +1,4 @@
-"""Goals that combine: the right topology and, among its thresholds, the right volume."""
+"""Combined goals give the right topology and, among its thresholds, the right volume."""
 
 import numpy as np
 import pytest

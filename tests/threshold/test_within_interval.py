@@ -19,7 +19,7 @@ def plateaus_of(fractions, volume):
 
 
 def test_the_threshold_of_a_target_has_the_volume_nearest_to_the_reference():
-    """A bar that grows by one cell per level, one component throughout, against each volume."""
+    """A bar of one component grows by one cell per level; compare it with each volume."""
     cells = np.array([[1.0, 1, 1, 0.9, 0.8, 0.7, 0.6, 0.4, 0.3, 0.2, 0.1]])
     for volume in range(4, 10):
         plateaus = plateaus_of(make_fractions(cells), volume)

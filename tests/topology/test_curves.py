@@ -1,4 +1,4 @@
-"""Betti numbers at every distinct level by three roads: union-find, gudhi, and ranks over GF(2)."""
+"""Betti numbers at every level by three methods: union-find, gudhi, and ranks over GF(2)."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from tusqh.topology.topology import Topology
 
 
 def random_values(rng, shape):
-    """A doubled grid with ties, plateaus, zeros and ones; sometimes values outside [0, 1]."""
+    """Return a doubled grid with ties, plateaus, zeros, ones, and values outside [0, 1]."""
     doubled = tuple(2 * n + 1 for n in shape)
     n_levels = int(rng.integers(2, 7))
     low, high = (0, n_levels) if rng.random() < 0.8 else (-1, n_levels + 1)

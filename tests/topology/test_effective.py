@@ -10,7 +10,7 @@ from tusqh.topology.topology import Topology
 
 
 def decided_nodes(kept, connects):
-    """The nodes of the complex as fractions 0 and 1: clamping decides all but the pinches."""
+    """Return the nodes of the complex as fractions 0 and 1; clamping decides all except pinches."""
     values = np.zeros(tuple(2 * n + 1 for n in kept.shape))
     values[(slice(1, None, 2),) * kept.ndim] = kept
     values[(slice(None, None, 2),) * kept.ndim] = connects

@@ -1,4 +1,4 @@
-"""Clamping, the table of pairs and its check; the numbers themselves are in test_curves."""
+"""Clamping, and the table of pairs with its check; test_curves checks the numbers."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ from tusqh.topology.topology import Topology
 
 
 def test_a_ring_with_a_weak_side_by_hand():
-    """Eight cells around a hole: it closes at 0.5 when the weak side comes in."""
+    """Eight cells surround a hole; the ring closes at 0.5, when its weak side enters."""
     cells = np.ones((3, 3))
     cells[1, 1], cells[0, 1] = 0.25, 0.5
     fractions = make_fractions(cells)

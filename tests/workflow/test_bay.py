@@ -1,4 +1,4 @@
-"""The real model: every threshold of the sweep, and every topology that can be asked for."""
+"""The real model is right at every threshold of the sweep and for every topology."""
 
 import pytest
 

@@ -13,7 +13,7 @@ TARGETS = ["results/plate/fractions.npz", "results/ring/fractions.npz"]
 
 @pytest.fixture
 def checkout(repository, built, tmp_path):
-    """A copy of the results, beside a copy of the code that made them, which may be edited."""
+    """Return a copy of the results, beside an editable copy of the code that made them."""
     folder = tmp_path / "checkout"
     copy_results(built, folder)
     copy_code(repository, folder)

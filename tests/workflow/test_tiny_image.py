@@ -1,4 +1,4 @@
-"""An image of voxels through the workflow, the Python call and the command line: one answer."""
+"""The workflow, the Python call and the command line give one answer for an image of voxels."""
 
 import json
 import subprocess
@@ -30,7 +30,7 @@ snapshots: [0, 2, 4, 8, 16, 32]
 
 @pytest.fixture(scope="module")
 def foam(tmp_path_factory):
-    """A foam of random bubbles in grey values with noise, and the results of the workflow."""
+    """Return a foam of random bubbles in noisy grey values, and the results of the workflow."""
     require_rendering()
     folder = tmp_path_factory.mktemp("foam")
     rng = np.random.default_rng(7)
