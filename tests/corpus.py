@@ -9,7 +9,7 @@ PACKAGES = (
     *("matplotlib", "mfem", "mkdocs-material", "numpy", "plotly-geo", "pymeshlab", "pyvista"),
     *("scikit-image", "scipy", "sphinx", "trimesh"),
 )
-#: Of each package and suffix at most this many files, evenly over their names.
+#: The largest number of files of a package and suffix, evenly spread over their names.
 MOST = 20
 
 

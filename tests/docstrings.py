@@ -1,8 +1,8 @@
 """Check the docstrings of public names: `python -m tests.docstrings tusqh/grid/background.py ...`.
 
 numpydoc compares *Parameters* with the signature.  Two house rules are added: a docstring whose
-first line says what is returned needs *Returns* only for a tuple, and a function that raises an
-error of tusqh by itself has *Raises*.
+first line states what is returned needs *Returns* only for a tuple, and a function that itself
+raises an error of tusqh has *Raises*.
 """
 
 import ast
@@ -30,7 +30,7 @@ class PublicDocstrings(DocstringVisitor):
         # numpydoc does not see the fields of a dataclass.
         if isinstance(node, ast.ClassDef) and check in {"PR01", "PR02"}:
             return True
-        # The docstring of a command is its help; its options have sentences of their own.
+        # The docstring of a command is its help; its options are documented separately.
         if check == "PR01" and is_command(Path(self.filepath), node):
             return True
         if check == "RT01" and says_what_it_returns(node):

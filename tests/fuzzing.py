@@ -1,6 +1,6 @@
 """Read damaged files, each in a separate limited process: ``python fuzzing.py FIRST COUNT``.
 
-File number k is always damaged in the same way.  Prints one JSON object for each file.
+File number k is always damaged in the same way.  One JSON object is printed for each file.
 """
 
 import json
@@ -157,7 +157,7 @@ def main(first, count, kept):
         folder = Path(name)
         samples = write_samples(folder)
         for path in samples:
-            read_file(path)  # So that every library is loaded, and no child must do it.
+            read_file(path)  # This loads every library, so that no child has to.
         for found in FORMATS:
             import_module(f"tusqh.readers.{found.module}")
         ends = Counter()

@@ -14,7 +14,7 @@ import pytest
 from tusqh.quality.system_libraries import SystemLibraryError, check_rendering
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-#: What a test can need, and how to get it.
+#: The requirements of tests, and how to install them.
 REMEDIES = {
     "chromium": "apt-get install chromium libatomic1 (or playwright install --with-deps chromium)",
     "pymeshlab": "apt-get install libgl1 libopengl0",
@@ -35,7 +35,7 @@ def import_or_require(name):
     """Import an optional package, or end the test or test module that needs it."""
     try:
         return importlib.import_module(name)
-    except ImportError as error:  # A system library can be missing too.
+    except ImportError as error:  # A system library can also be missing.
         return require(name.partition(".")[0], str(error).splitlines()[0])
 
 
@@ -48,7 +48,7 @@ def find_browser():
     try:
         with sync_playwright() as playwright:
             path = Path(playwright.chromium.executable_path)
-    except Exception as error:  # Its driver needs system libraries too.
+    except Exception as error:  # Its driver also needs system libraries.
         return require("chromium", f"there is no browser, and playwright says: {error}")
     return str(path) if path.is_file() else require("chromium", "there is no browser")
 

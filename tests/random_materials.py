@@ -15,14 +15,14 @@ def random_materials(seed, dim, largest):
     kind = seed % 5
     if kind == 0:
         fields = rng.random((m + 1, *places))
-    elif kind == 1:  # Many ties.
+    elif kind == 1:  # This field has many ties.
         fields = rng.integers(0, 3, (m + 1, *places)).astype(float)
-    elif kind == 2:  # One material in every place, whatever its neighbours have.
+    elif kind == 2:  # Every place has one material, independent of its neighbours.
         fields = np.moveaxis(np.eye(m + 1)[rng.integers(0, m + 1, places)], -1, 0)
-    elif kind == 3:  # No void: the labels fill the box.
+    elif kind == 3:  # There is no void, because the labels fill the box.
         fields = rng.random((m + 1, *places))
         fields[-1] = 0
-    else:  # One rare material among the others.
+    else:  # One of the materials is rare.
         fields = rng.random((m + 1, *places)) ** 3
     fields *= (rng.random(m + 1) + 0.05).reshape(-1, *(1,) * dim)
     fields /= np.maximum(fields.sum(axis=0), 1e-9)

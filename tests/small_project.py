@@ -42,7 +42,7 @@ def add_models(folder):
     (folder / "data_sources").mkdir()
     plate, ring = folder / "data_sources/plate.svg", folder / "data_sources/ring.stl"
     plate.write_text(PLATE)
-    # Enough triangles to make the ingested geometry larger than 1 MB.
+    # These are enough triangles to make the ingested geometry larger than 1 MB.
     mesh = trimesh.creation.torus(10.0, 3.5, major_sections=250, minor_sections=120)
     mesh.update_faces([k not in (7, 90) for k in range(len(mesh.faces))])
     mesh.export(ring)

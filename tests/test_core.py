@@ -11,7 +11,7 @@ import yaml
 
 import tusqh
 
-#: What the extras bring, by the names under which it is imported.
+#: The packages that the extras install, by the names under which they are imported.
 OPTIONAL = (
     *("PIL", "ezdxf", "igl", "jinja2", "matplotlib", "mfem", "nrrd", "netCDF4", "pymeshlab"),
     *(

@@ -21,7 +21,7 @@ from packaging.version import Version
 
 from tusqh.geometry.packaged import PACKAGE, locate
 
-#: Today's offenders against the limits below; lines may only be removed.
+#: The current exceptions to the limits below; lines may only be removed.
 OFFENDERS = Path(__file__).with_name("offenders.txt")
 
 

@@ -39,7 +39,7 @@ def build(fractions, **policy):
     return resolved
 
 
-# Two cells, three apart along the x axis; the edges between them lie on the line y = 1.
+# The two cells are three apart along x; the edges between them lie on the line y = 1.
 APART = np.zeros((5, 3), dtype=bool)
 APART[0, 0] = APART[4, 1] = True
 WAY = [(3, 2), (4, 2), (5, 2), (6, 2), (7, 2)]
@@ -53,7 +53,7 @@ def test_a_straight_path_joins_two_islands():
     mesh = resolved.mesh
     is_bridge = mesh.kind == BRIDGE
     assert is_bridge.sum() == 2 * 3 + 2
-    # Half a cell wide, less the four corners of the ends, plus two trapezoids of 3/16.
+    # The strip is half a cell wide; its ends lose four corners and gain two trapezoids of 3/16.
     area = element_volumes(mesh.points, mesh.cells)[is_bridge].sum()
     assert area == pytest.approx(3 * 0.5 - 4 * 1 / 32 + 2 * 3 / 16)
     scaled = corner_jacobians(mesh.points, mesh.cells)[1]
@@ -84,7 +84,7 @@ def test_the_prototypes_fault_a_speck_beside_an_exterior_pinch_stays():
     """Its pinch vertex fails the threshold, although both adjacent edges pass."""
     kept = np.zeros((4, 4), dtype=bool)
     kept[:2, :2] = kept[2, 2] = True
-    edges = [(5, 4), (4, 3)]  # Right of and below the vertex (2, 2), around one empty cell.
+    edges = [(5, 4), (4, 3)]  # The edges right of and below the vertex (2, 2) are around one empty cell.
     few = {"components": Criteria(min_cells=2)}
     lost = build(field(kept, edges), bridges="none", **few)
     assert lost.cells.n_removed == 1
@@ -113,7 +113,7 @@ def test_no_room_is_reported():
     """A connecting template already fills the cell next to the only path."""
     kept = np.zeros((5, 4), dtype=bool)
     kept[0, 0] = kept[3, 1] = kept[4, 1] = kept[2, 2] = True
-    crowded = build(field(kept, [*WAY[:3], (6, 4)]))  # (6, 4): the pinch connects.
+    crowded = build(field(kept, [*WAY[:3], (6, 4)]))  # The pinch at (6, 4) connects.
     assert crowded.cells.predicted == (2, 0, 0)
     assert crowded.cells.bridge_table["status"].tolist() == [NO_ROOM]
 

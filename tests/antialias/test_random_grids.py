@@ -86,7 +86,7 @@ def test_closing_gives_a_forgotten_pinch_the_decision_of_the_nearest(decision):
     mesh, rounds = resolve(kept, Decisions(at_vertex, 0, 0, 0), grid)
     assert rounds == 1
     assert all(check.holds for check in check_mesh(mesh))
-    # Vertices 1 to 3 follow the decision at 2, 4 and 5 the other one.
+    # Vertices 1 to 3 follow the decision at 2; vertices 4 and 5 follow the other one.
     n_components = 3 if decision == CONNECT else 4
     assert betti_by_euler(mesh) == (n_components, 0, 0)
 

@@ -191,7 +191,7 @@ def test_the_geometry_is_never_replaced(ring, call, tmp_path):
 def test_a_read_only_folder_is_noticed_before_any_work(ring, call, tmp_path, monkeypatch):
     folder = tmp_path / "kept"
     folder.mkdir()
-    # Permissions do not bind root, whom containers run tests as: answer for the system.
+    # Containers run tests as root, whom permissions do not bind, so replace the answer.
     really = os.access
     monkeypatch.setattr(os, "access", lambda path, mode: folder != path and really(path, mode))
     code, _, err = call("mesh", ring, "-o", folder / "new" / "part.vtu")

@@ -8,7 +8,7 @@ import pytest
 
 from tusqh.cli.app import main
 
-# A square with a round hole, its border open in one place.
+# A square with a round hole; its border is open in one place.
 PLATE = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 40 40">
   <path d="M 0 0 H 40 V 40 H 0 V 0.5
     M 30 20 A 10 10 0 1 0 10 20 A 10 10 0 1 0 30 20 Z"/>

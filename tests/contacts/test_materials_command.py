@@ -32,7 +32,7 @@ def test_a_file_of_labels(tmp_path):
     done = CliRunner().invoke(app, [*words, "--json", "--cells", "4"])
     report = json.loads(done.stdout)
     assert sum(row["elements"] for row in report["materials"][:-1]) < 216
-    # What has no effect is refused.
+    # Options without an effect are refused.
     done = CliRunner().invoke(app, [*words, "--betti", "1,0,0"])
     assert done.exit_code != 0
     assert "goal" in str(done.exception)

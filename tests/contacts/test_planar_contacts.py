@@ -69,7 +69,7 @@ def test_a_ball_has_the_material_with_the_best_fraction_at_its_vertex():
     """Four cells of two materials form a cross, and the sub-cell in the middle decides."""
     for winner in (0, 1):
         image = np.array([[1, 2], [2, 1]]).repeat(4, 0).repeat(4, 1)
-        # One voxel more of the winner close to the vertex.
+        # The winner has one more voxel close to the vertex.
         image[(3, 3) if winner == 1 else (3, 4)] = 2 if winner == 1 else 1
         found = mesh_materials(fractions_of_labels(image, voxels_per_cell=4))
         joined = [found.predicted[name].betti_0 == 1 for name in ("1", "2")]

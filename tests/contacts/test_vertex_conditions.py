@@ -39,7 +39,7 @@ def all_orders(labellings):
 def judge_sticks(labels, sticks, *, tables=TABLES, by_link=False):
     """Judge vertices with the given octants and sticks; `by_link` by the general condition.
 
-    The general condition holds at unmarked vertices: there the six neighbours are marked, which
+    The general condition holds at unmarked vertices, whose six neighbours are marked, which
     refines the same faces.
     """
     n = len(labels)
@@ -128,7 +128,7 @@ def test_all_labellings_have_good_sticks_and_the_closed_form_agrees_with_the_lin
 def check_orders(labels):
     first = labels[:, TABLES.around].min(axis=2)
     assert (judge_sticks(labels, first) > 0).all()
-    # Mutants: one stick, opposite to another one, has the last of its materials instead.
+    # In the mutants, one of two opposite sticks has the last of its materials instead.
     last = first.copy()
     last[:, 0] = labels[:, TABLES.around[0]].max(axis=1)
     assert (judge_sticks(labels, last) == 0).any()

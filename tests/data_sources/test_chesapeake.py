@@ -15,7 +15,7 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 FOLDER = REPOSITORY / "data_sources" / "chesapeake"
 WINDOW = shapely.box(250_000, 4_075_000, 490_000, 4_391_000)
 
-#: The rows of `describe_defects` by the words the register uses for them.
+#: The rows of `describe_defects` by their names in the register.
 WORDS = {
     "gaps": "border_gaps",
     "overlaps": "border_overlaps",

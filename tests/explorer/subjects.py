@@ -22,7 +22,7 @@ from tusqh.topology.persistence import locate_pairs
 def noise(rng, shape, n_levels=6):
     """Return independent fractions of cells and sub-cells, which give pinches everywhere."""
     values = rng.integers(0, n_levels, [2 * n + 1 for n in shape]) / (n_levels - 1)
-    values[rng.random(values.shape) < 0.02] = -0.25  # Winding numbers leave [0, 1] too.
+    values[rng.random(values.shape) < 0.02] = -0.25  # Winding numbers can also be outside [0, 1].
     grid = BackgroundGrid(shape=tuple(shape), cell_size=0.5, origin=(10.0, -3.0, 1.0)[: len(shape)])
     return VolumeFractions.from_values(grid, 4, values)
 

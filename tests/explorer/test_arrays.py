@@ -76,7 +76,7 @@ def test_toggles_lead_to_the_cells_of_every_plateau(subject):
         kept = sets.at(upper).kept.ravel()
         by_fraction = subject.fractions.cells.ravel() >= upper
         np.testing.assert_array_equal(by_fraction ^ is_special, kept)
-    assert n_special > 0  # Or the test says nothing.
+    assert n_special > 0  # Otherwise the test checks nothing.
 
 
 def test_pairs_have_their_places_back(subject):

@@ -17,7 +17,7 @@ from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.policy import Policy
 from tusqh.topology.persistence import count_alive
 
-#: These make WebGL work without a graphics card, and keep the browser from calling home.
+#: These make WebGL work without a graphics card, and prevent network access of the browser.
 FLAGS = [
     *("--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader"),
     *("--enable-unsafe-swiftshader", "--disable-background-networking", "--no-first-run"),
@@ -79,7 +79,7 @@ def opened(browser, subject, tmp_path_factory):
     opened = Opened(browser, path)
     yield opened
     assert opened.messages == []
-    assert opened.requests == [path.as_uri()]  # Nothing but the file itself.
+    assert opened.requests == [path.as_uri()]  # Only the file itself is loaded.
     opened.page.close()
 
 
@@ -205,7 +205,7 @@ def test_every_plateau_can_be_reached_with_the_keyboard(opened, subject):
     page.keyboard.press("ArrowRight")
     assert opened.evaluate("explorer.plateau") == n - 2
     page.keyboard.press("End")
-    # Page Down goes from one topology to the next, and misses none.
+    # Page Down goes from one topology to the next and skips none.
     betti = subject.topologies.loc[
         subject.topologies["cells"] > 0, ["betti_0", "betti_1", "betti_2"]
     ]
@@ -234,7 +234,7 @@ def test_pointing_at_a_class_lights_up_its_cells(opened, subject):
     x, y = opened.evaluate("i => explorer.diagram.place(i)", dying)
     opened.page.mouse.move(box["x"] + x, box["y"] + y)
     shown = opened.evaluate("explorer.diagram.shown")
-    # Another pair may lie on the same point: it is one with the same birth and death.
+    # Another pair with the same birth and death may lie on the same point.
     found = pairs.iloc[shown]
     assert (found["birth"], found["death"]) == (row["birth"], row["death"])
     places = opened.evaluate("explorer.markers.places.map(p => p.centre)")
@@ -297,7 +297,7 @@ def test_the_final_mesh_has_all_its_facets(opened, subject):
         ]
         assert f"{name} ({count:,})" in legend
     opened.page.focus("#slider")
-    opened.page.keyboard.press("ArrowLeft")  # The mesh is of one threshold: back to the cells.
+    opened.page.keyboard.press("ArrowLeft")  # The mesh belongs to one threshold, so go back to the cells.
     assert opened.evaluate("explorer.view") == "cells"
 
 
@@ -403,9 +403,10 @@ def test_names_that_attack_are_only_text(browser, tmp_path):
     opened.page.click("#tab-quality")
     assert ATTACK in opened.text("#panel-quality")
     assert opened.page.locator("img").count() == 0
-    assert opened.page.locator("script").count() == 8  # Facts, five blocks, three.js, the page.
+    # The scripts are the facts, five blocks, three.js and the page's code.
+    assert opened.page.locator("script").count() == 8
     assert opened.requests == [path.as_uri()]
-    # Should markup get in nevertheless, the policy of the page lets nothing run.
+    # If markup gets in nevertheless, the policy of the page does not let it run.
     opened.evaluate(
         "document.body.insertAdjacentHTML('beforeend', '<img src=x onerror=\"window.taken = 1\">')"
     )
@@ -454,7 +455,7 @@ def test_an_image_has_cells_and_a_mesh_but_no_geometry_to_show(browser, tmp_path
     opened = Opened(browser, path)
     assert not opened.page.is_visible("[data-view=geometry]")
     opened.page.focus("[data-view=cells]")
-    opened.page.keyboard.press("ArrowLeft")  # Around the end, to the other one.
+    opened.page.keyboard.press("ArrowLeft")  # The selection wraps around to the other view.
     assert opened.evaluate("explorer.view") == "mesh"
     assert opened.messages == []
 
@@ -503,7 +504,7 @@ def test_the_middle_of_a_run_is_a_plateau_that_was_examined(sparse):
         assert sparse.evaluate("p => explorer.plateaus.mesh(p)", run["middle"]) == run["betti"]
     sparse.evaluate("explorer.step('most')")
     sparse.page.focus("#slider")
-    for run in (*runs, runs[-1]):  # From above the first; there is none below the last.
+    for run in (*runs, runs[-1]):  # Start above the first topology; there is none below the last.
         sparse.page.keyboard.press("PageDown")
         assert sparse.evaluate("explorer.plateau") == run["middle"]
         assert sparse.evaluate("explorer.state().mesh") == run["betti"]

@@ -16,7 +16,7 @@ def unpack(packed):
     out = {}
     for entry in packed.manifest:
         dtype = np.dtype(entry["type"]).newbyteorder("<")
-        assert entry["offset"] % dtype.itemsize == 0  # Or a typed array throws.
+        assert entry["offset"] % dtype.itemsize == 0  # Otherwise a typed array throws an error.
         out[entry["name"]] = np.frombuffer(block, dtype, entry["length"], entry["offset"])
     return out
 
@@ -38,7 +38,7 @@ def test_the_same_arrays_give_the_same_bytes():
     array = np.arange(1000, dtype=np.uint16)
     text = pack({"a": array}).text
     assert text == pack({"a": array.copy()}).text
-    assert base64.b64decode(text)[4:8] == bytes(4)  # No time in the header.
+    assert base64.b64decode(text)[4:8] == bytes(4)  # The header has no time.
 
 
 def test_big_endian_arrays_are_turned():

@@ -17,7 +17,7 @@ def test_the_theme_sets_what_seaborn_sets_and_nothing_else():
         plain = dict(mpl.rcParams)
         seaborn.set_theme(style="ticks", context="paper", palette="colorblind")
         themed = {k: value for k, value in mpl.rcParams.items() if value != plain[k]}
-    # Every image names its own colour map; the colours of lines are compared above.
+    # Every image sets its own colour map; the colours of lines are compared above.
     del themed["image.cmap"], themed["axes.prop_cycle"]
     ours = {k: value for k, value in THEME.items() if k != "axes.prop_cycle"}
     with mpl.rc_context(ours):

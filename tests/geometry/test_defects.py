@@ -135,7 +135,7 @@ def test_border_that_gaps_below_and_overlaps_above():
     left = [(0, 0), (1, 0), (1, 2), (0, 2), (0, 0)]
     right = [(1, 0), (2, 0), (2, 2), (1, 2), (0.9, 1.5), (1.1, 0.5), (1, 0)]
     long, short = np.hypot(0.2, 1), np.hypot(0.1, 0.5)
-    # Both slivers are triangles: base 1, height 0.1.
+    # Both slivers are triangles with base 1 and height 0.1.
     width = 2 * 0.05 / (1 + long / 2 + short)
     perimeter = 4 + long + 2 * short
     check(

@@ -11,7 +11,7 @@ from tusqh.geometry.image import Image
 from tusqh.readers.files import read_file
 from tusqh.readers.formats import dimension_of
 
-#: Voxel (i, j, k) holds 100 i + 10 j + k: what is where says which axis is which.
+#: Voxel (i, j, k) holds 100 i + 10 j + k, so its value identifies the axes.
 VOXELS = (100 * np.arange(2)[:, None, None] + 10 * np.arange(3)[:, None] + np.arange(4)).astype(
     np.uint16
 )
@@ -22,7 +22,7 @@ def write(path, voxels=VOXELS, **header):
         np.save(path, voxels)
     elif path.suffix == ".nrrd":
         nrrd.write(str(path), voxels, header, index_order="F")
-    else:  # Pages z, rows y, columns x, as microscopes and scanners write.
+    else:  # Pages are z, rows are y and columns are x, as microscopes and scanners write them.
         tifffile.imwrite(path, voxels.transpose(), photometric="minisblack")
     return path
 

@@ -49,7 +49,7 @@ class Calls:
             self.counts[name] += 1
         if name == "find_facets":
             cells = frame.f_locals["cells"]
-            self.kept_alive.append(cells)  # So that no other array gets its id.
+            self.kept_alive.append(cells)  # Keep the array, so that no other array gets its id.
             self.facets_of[id(cells)] += 1
 
 

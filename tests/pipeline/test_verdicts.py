@@ -22,14 +22,14 @@ from tusqh.settings.sampling import Sampling
 
 pytestmark = pytest.mark.slow
 
-#: Larger files take too long; random points, and the fewest of them inside that say enough.
+#: The most facets (larger files take too long), the random points, the fewest of them inside.
 MOST_FACETS, POINTS, FEWEST = 100_000, 100_000, 3_000
 
 
 def independent_volume(path, geometry, is_kept):
     """Return the volume by other libraries, and the part of it where the kept cells differ.
 
-    None where no library can tell.
+    The volume is None if no library can compute it.
     """
     if isinstance(geometry, Image):
         volume = float(geometry.fractions((slice(None),) * 3).sum()) * geometry.voxel_size**3

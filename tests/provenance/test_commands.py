@@ -87,7 +87,7 @@ def test_trace_knows_a_figure_found_elsewhere(project, run, tmp_path, figure):
     content = (project / figure).read_bytes()
     slide.write_bytes(content)
     assert "the same bytes" in run("trace", str(slide), options=False)[1]
-    # Saved again by another program, which keeps texts.
+    # Another program saves the file again and keeps texts.
     slide.write_bytes(content[:-12] + b"\0\0\0\1tEXtx\0\0\0\0" + content[-12:])
     code, text = run("trace", str(slide), options=False)
     assert code == 0
@@ -165,7 +165,7 @@ def test_rebuild_compares_the_results_of_another_run(project):
 
 @pytest.mark.slow
 def test_rebuild_for_real(project):
-    # In a process of its own: Snakemake's messages need a real standard error.
+    # Use a separate process, because Snakemake's messages need a real standard error.
     command = [sys.executable, "-m", "tusqh", "verify", "--rebuild", "plate"]
     options = ["--snakefile", str(project.snakefile)]
     done = subprocess.run([*command, *options], capture_output=True, text=True)

@@ -43,7 +43,7 @@ def test_runcrate_reads_every_step_with_its_files(project):
         if lines:
             runs[lines[0].removeprefix("action: ")] = {line.strip() for line in lines[1:]}
     records = read_records()
-    del records["crate"]  # It describes the others.
+    del records["crate"]  # This file describes the others.
     assert runs.keys() == {"#run", *(f"#run/{key}" for key in records)}
     for key, record in records.items():
         said = runs[f"#run/{key}"]

@@ -13,7 +13,7 @@ from workflow_runs import start, succeed
 from provenance import code
 from provenance.findings import Outcome, merge
 
-#: Nothing of this may leave a trace in the results.
+#: Environment variables that must not affect the results.
 SURROUNDINGS = {
     "TZ": "Asia/Kathmandu",
     "LC_ALL": "C",
@@ -35,7 +35,7 @@ def kill(process):
 def run_with_kills(folder, n_kills, seed):
     """Run the workflow, kill it at random moments while it works, and let it end at last.
 
-    Returns how many kills there were before nothing was left to do.
+    Return the number of kills until all steps were done.
     """
     rng = random.Random(seed)
     surroundings = SURROUNDINGS | {"PYTHONPATH": str(folder)}

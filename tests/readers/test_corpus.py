@@ -21,7 +21,7 @@ from tusqh.geometry.outline_facts import OutlineFacts
 from tusqh.geometry.soup_facts import SoupFacts
 from tusqh.readers.files import read_file
 
-#: Files of more bytes are not among the default tests.
+#: The default tests leave out files with more bytes.
 LARGE = 2_000_000
 
 
@@ -35,7 +35,7 @@ def measure_apart(path):
     """Return bounding box and size by another reader, None where there is none to ask.
 
     The size is the signed volume of a closed surface, the area of an open one, the area of an
-    outline, or the number of voxels; None where it is not defined.
+    outline, or the number of voxels; it is None if it is not defined.
     """
     suffix = path.suffix.lower()
     if suffix == ".npy":

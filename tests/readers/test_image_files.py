@@ -14,7 +14,7 @@ from tusqh.errors import ConfigError, GeometryError
 from tusqh.readers.files import read_file
 from tusqh.readers.memory import read_object
 
-#: The solid of the cases: 56 voxels, and different from its mirror images.
+#: The solid of the cases, which has 56 voxels and differs from its mirror images.
 N_SOLID = 56
 
 

@@ -53,7 +53,7 @@ def test_an_image_of_vtk_has_its_voxels_where_they_are(tmp_path, kind, is_binary
     getattr(image, kind)["grey"] = voxels.ravel(order="F")
     image.save(tmp_path / "a.vti", binary=is_binary)
     geometry = read_file(tmp_path / "a.vti").geometry
-    # By another road: the middles of VTK's cells, or its points, with their values.
+    # As a second method, take the centres of VTK's cells, or its points, with their values.
     middles = image.cell_centers().points if n_more else image.points
     places = np.floor((middles - geometry.origin) / geometry.voxel_size).astype(int)
     assert (geometry.voxels[tuple(places.T)] == getattr(image, kind)["grey"]).all()

@@ -28,7 +28,7 @@ def test_polygons_below_a_cell_are_counted(tmp_path):
     path = write_map(tmp_path / "a.geojson", [3 * SQUARE, *small])
     result = tusqh.mesh(path, cells=12, threshold=0.5)
     said = [r for r in result.remarks if "smaller than a cell" in r.what]
-    # By another road: no square is found among the elements of the mesh.
+    # As a second method, check that no square is among the elements of the mesh.
     centres = result.mesh.points[result.mesh.cells].mean(axis=1)
     assert (centres < 3.2).all()
     assert [(r.count, r.what.split()[1]) for r in said] == [(96, "97")]

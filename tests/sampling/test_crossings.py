@@ -128,7 +128,7 @@ def test_samples_on_faces_edges_and_corners_agree_along_each_line():
     assert set(np.unique(winding)) == {0.0, 1.0}
     assert (winding[3:6, 3:6, 3:6] == 1).all()
     assert winding[0].sum() == winding[-1].sum() == winding[:, :, 0].sum() == 0
-    # One half of the boundary belongs to the box: as many samples as its volume has.
+    # Half of the boundary belongs to the box, so the number of samples matches its volume.
     assert winding.sum() == 4**3
 
 
@@ -166,9 +166,9 @@ def distance_to(geometry, lattice):
 
 
 coordinate = st.one_of(
-    st.integers(0, 6).map(float),  # On samples, lattice lines and planes.
+    st.integers(0, 6).map(float),  # These are on samples, lattice lines and planes.
     st.floats(0, 6, allow_nan=False, width=32),
-    st.sampled_from([1e-7, 2.0 + 1e-9, 3.5]),  # Needles and slivers.
+    st.sampled_from([1e-7, 2.0 + 1e-9, 3.5]),  # These make needles and slivers.
 )
 
 

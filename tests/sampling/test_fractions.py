@@ -21,7 +21,7 @@ def loop(points):
 
 
 def random_outline(rng, n_chains=3):
-    # Something of every outline winds positively: the last chain is a counter-clockwise square.
+    # Every outline winds positively somewhere: its last chain is a counter-clockwise square.
     chains = [rng.uniform(-0.5, 1.5, (rng.integers(3, 6), 2)) for _ in range(n_chains)]
     chains = [loop(c) if rng.random() < 0.5 else c for c in chains]
     big = loop([[-0.4, -0.2], [1.4, -0.2], [1.4, 1.2], [-0.4, 1.2]])
@@ -37,7 +37,7 @@ def brute_force_fraction(outline, grid, samples, doubled):
         for dy in offsets:
             place = np.array([doubled[0] / 2 + dx, doubled[1] / 2 + dy])
             if ((place < 0) | (place > grid.shape)).any():
-                continue  # Nothing outside the grid.
+                continue  # Nothing outside the grid counts.
             query = grid.to_points(place[None])
             total += igl.winding_number(outline.points, outline.segments, query)[0]
     return total / samples**2

@@ -122,7 +122,7 @@ def test_a_flat_geometry_is_refused_and_a_single_triangle_has_no_volume():
     points[1, 2] = 1.0
     tilted = Soup(points, flat.triangles[:1], np.zeros(1, dtype=np.int64))
     fractions = sample_fractions(tilted, lay_grid(tilted, None, cells=8))
-    assert np.abs(fractions.cells).max() < 1  # Works: open, so fractions of a winding number.
+    assert np.abs(fractions.cells).max() < 1  # Sampling works; the surface is open.
 
 
 def test_a_grid_too_large_for_memory_is_refused_beforehand():

@@ -96,7 +96,7 @@ def test_pores_and_windows():
     grid = lay_on_voxels(image, cells=6)
     material, pores = (voxel_fractions(image, grid, domain=d) for d in ("inside", "outside"))
     assert np.array_equal(pores.cells, 1 - material.cells)
-    window = ((0.0, 0.0, 0.0), (12.0, 12.0, 5.5))  # The centre of the third voxel, at 5, is in.
+    window = ((0.0, 0.0, 0.0), (12.0, 12.0, 5.5))  # The centre of the third voxel, at 5, is inside.
     grid = lay_on_voxels(image, window, cells=6)
     assert grid.shape == (6, 6, 3)
     pores = voxel_fractions(image, grid, domain="outside", window=window)

@@ -15,7 +15,7 @@ from tusqh.settings.model import Model, Settings
 from tusqh.settings.section import Section
 
 KINDS = ("outline", "surface", "image")
-#: A value other than the default for every option of a mesh.
+#: For every option of a mesh, a value that is not the default.
 VALUES = {
     **{"cells": "9", "cell_size": "0.5", "placement": "corner", "samples": "6"},
     **{"domain": "outside", "rule": "clamped", "orientation": "flip", "sampler": "libigl"},

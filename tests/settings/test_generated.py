@@ -144,7 +144,7 @@ def test_an_option_is_added_in_one_place():
     assert by_option == from_arguments(LargerSettings, {"smoothing": 3})
     assert by_option == LargerSettings.from_dict({"smoothing": 3})
     assert to_words(by_option) == ["--smoothing", "3"]
-    with pytest.raises(AssertionError):  # The signature of `tusqh.mesh` lacks it: the test says so.
+    with pytest.raises(AssertionError):  # The signature of `tusqh.mesh` lacks it.
         check_call(tusqh.mesh, LargerSettings)
 
 

@@ -35,7 +35,7 @@ def error_at_end(n, n_steps, *, wobble=0.0, end=0.1):
 
 @pytest.mark.parametrize("wobble", [0.0, 0.15])
 def test_second_order_in_space(wobble):
-    # Time steps shrink with h squared, so that space decides.
+    # Time steps shrink with h squared, so that the error in space dominates.
     errors = [error_at_end(n, 4 * n**2 // 16, wobble=wobble) for n in (8, 16, 32)]
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert orders == pytest.approx(2.0, abs=0.25)
@@ -64,7 +64,7 @@ def test_the_amount_stays_and_nothing_leaks_to_the_other_island():
     assert result.table["amount_relative_error"].abs().max() <= 1e-12
     assert (result.fields[:, result.points[:, 0] > 1.5] == 0).all()
     assert result.table["undershoot"].max() == 0
-    # After a long time the concentration is even.
+    # After a long time the concentration is uniform.
     assert result.table["step"].tolist() == [0, 50, 100, 200, 400, 800]
     even = simulate_diffusion(two_islands(), Simulation((0.5, 0.5), time_step=1.0)).fields[-1]
     assert even.max() == pytest.approx(1000.0, rel=1e-6)

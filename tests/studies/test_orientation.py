@@ -59,7 +59,7 @@ def test_random_rotations_are_rotations_and_the_same_each_time():
             assert np.linalg.det(a.rotation) == pytest.approx(1)
             assert (a.rotation == b.rotation).all()
             assert (a.offset == b.offset).all()
-        # Uniform: the image of an axis has no preferred direction.
+        # The rotations are uniform, so the image of an axis has no preferred direction.
         assert np.linalg.norm(np.mean([p.rotation[:, 0] for p in first], axis=0)) < 0.3
 
 
@@ -104,7 +104,7 @@ def test_a_spread_that_halves_shrinks_by_half():
     assert spread["raw_spread"].tolist() == [2, 2]
     assert spread["spread"].tolist() == [1, 0]
     assert spread["shrinks"].tolist() == [0.5, 1]
-    # Every resampled ratio is one half exactly: the placements are drawn in pairs.
+    # Every resampled ratio is exactly one half, because the placements are drawn in pairs.
     assert spread.loc[spread.index[0], ["low", "high"]].tolist() == [0.5, 0.5]
     assert spread["wanted"].tolist() == [0.5, 1]
     assert spread["raw_wanted"].tolist() == [0.5, 0.5]
@@ -123,7 +123,7 @@ def test_an_interval_holds_the_value_and_nothing_to_shrink_is_missing():
     pooled = pool_spreads(tables, {"a": 0.5, "b": 0.5})
     assert pooled["models"].tolist() == [2] * 5
     assert pooled["shrinks"].tolist() == spread["shrinks"].tolist()
-    # A model that only starts to spread counts too: 1 - (s + 1) / (r + 0).
+    # A model that only starts to spread also counts: 1 - (s + 1) / (r + 0).
     tables["b"] = made_up([1] * 8, [1, 3] * 4, [1] * 8)
     pooled = pool_spreads(tables, {"a": 0.5, "b": 0.5}).set_index("scheme")
     raw_sum, less_sum = (float(spread_of(np.array([[n, 0, 0] for n in v]))) for v in (raw, less))

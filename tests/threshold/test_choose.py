@@ -70,7 +70,7 @@ def test_thresholds_out_of_range(threshold):
 def test_a_fixed_threshold_says_how_far_it_can_move():
     chosen, candidates = choose(make_fractions(CELLS), threshold=0.3)
     assert chosen.interval[:2] == (0.25, 0.5)
-    assert chosen.margin == 0.125  # Of the kept cells, the same all over the interval.
+    assert chosen.margin == 0.125  # The margin of the kept cells is the same in the whole interval.
     assert len(candidates) == 0
 
 
@@ -171,7 +171,7 @@ def test_persistence_takes_a_threshold_where_one_does_it():
     assert chosen.policy.components.min_persistence == 0
     chosen, candidates = choose(make_fractions(PLATE), persistence=0.6)
     assert "nothing shorter-lived" in chosen.reason
-    assert 0.5 < chosen.threshold <= 0.75  # Below the shallow hole, above the speck.
+    assert 0.5 < chosen.threshold <= 0.75  # This is below the shallow hole and above the speck.
     assert chosen.predicted == (1, 1, 0)
     assert betti_by_boundary(mesh_of(make_fractions(PLATE), chosen)) == (1, 1, 0)
     assert candidates["status"].tolist().count("chosen") == 1
@@ -179,8 +179,8 @@ def test_persistence_takes_a_threshold_where_one_does_it():
 
 def test_persistence_removes_and_fills_exactly_the_short_lived_where_no_threshold_does():
     cells = PLATE.copy()
-    cells[1, 1] = 0.5  # Now the shallow hole and the speck overlap nowhere ...
-    cells[3, 9] = 0.625  # ... but at every threshold one of them is there.
+    cells[1, 1] = 0.5  # Now the ranges of the shallow hole and of the speck do not overlap ...
+    cells[3, 9] = 0.625  # ... but one of the two is present at every threshold.
     fractions = make_fractions(cells)
     chosen, _ = choose(fractions, persistence=0.65)
     assert "no threshold does it alone" in chosen.reason
@@ -195,7 +195,7 @@ def test_persistence_removes_and_fills_exactly_the_short_lived_where_no_threshol
 
 
 def test_persistence_never_chooses_an_empty_mesh():
-    cells = np.where(CELLS == 1, 0.5, 0.25)  # Nothing lives longer than half of all thresholds.
+    cells = np.where(CELLS == 1, 0.5, 0.25)  # No class lives longer than half of all thresholds.
     with pytest.raises(TopologyError, match="nor removing and filling features leaves"):
         choose(make_fractions(cells), persistence=0.75)
     n_chosen = 0

@@ -15,7 +15,7 @@ def decided_nodes(kept, connects):
     values[(slice(1, None, 2),) * kept.ndim] = kept
     values[(slice(None, None, 2),) * kept.ndim] = connects
     for axis in range(kept.ndim if kept.ndim == 3 else 0):
-        # An edge between two connected pinches is connected, every other one may be out.
+        # An edge between two connected pinches is connected; every other edge may be absent.
         parity = tuple(slice(1 if k == axis else 0, None, 2) for k in range(3))
         ends = [connects[(slice(None),) * axis + (part,)] for part in (slice(-1), slice(1, None))]
         values[parity] = ends[0] & ends[1]

@@ -81,7 +81,7 @@ def test_every_figure_shows_something(built):
 
 def test_records_name_every_input_and_output_with_its_hash(built):
     found = sorted((built / "results/provenance").rglob("*.json"))
-    records = [p for p in found if p.parent.name != "code"]  # Lists of code are no records.
+    records = [p for p in found if p.parent.name != "code"]  # Lists of code are not records.
     whats = [json.loads(p.read_text()) for p in records if not p.name.endswith(".how.json")]
     assert {what["step"] for what in whats} >= {"ingest", "sample", "select", "mesh", "tables"}
     made = {}
