@@ -16,8 +16,9 @@ def available_memory() -> int:
     Returns
     -------
     int
-        The least of what the system says is available (all of its memory where it does not say
-        so), what is left of the limit of the control group, and the limit of the address space.
+        The smallest of three numbers: the available memory of the system (or all of its memory, if
+        the system does not report it), the remainder of the limit of the control group, and the
+        limit of the address space.
     """
     limits = [os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")]
     if _MEMORY_INFO.is_file():

@@ -84,7 +84,7 @@ def test_the_prototypes_fault_a_speck_beside_an_exterior_pinch_stays():
     """Its pinch vertex fails the threshold, although both adjacent edges pass."""
     kept = np.zeros((4, 4), dtype=bool)
     kept[:2, :2] = kept[2, 2] = True
-    edges = [(5, 4), (4, 3)]  # The edges right of and below the vertex (2, 2) are around one empty cell.
+    edges = [(5, 4), (4, 3)]  # These are around one empty cell.
     few = {"components": Criteria(min_cells=2)}
     lost = build(field(kept, edges), bridges="none", **few)
     assert lost.cells.n_removed == 1

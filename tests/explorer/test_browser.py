@@ -297,7 +297,7 @@ def test_the_final_mesh_has_all_its_facets(opened, subject):
         ]
         assert f"{name} ({count:,})" in legend
     opened.page.focus("#slider")
-    opened.page.keyboard.press("ArrowLeft")  # The mesh belongs to one threshold, so go back to the cells.
+    opened.page.keyboard.press("ArrowLeft")  # A move returns to the cells.
     assert opened.evaluate("explorer.view") == "cells"
 
 

@@ -20,7 +20,7 @@ def local_context():
 
 
 def find_issues(folder, profile, monkeypatch, cache):
-    """Return what the validator has against the crate in a folder, as messages."""
+    """Return the validator's complaints about the crate in a folder."""
 
     def get(requester, url, **options):
         assert url == CONTEXT_URL, f"the validator wants {url}"

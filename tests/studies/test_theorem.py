@@ -40,7 +40,7 @@ def test_exact_windows_in_the_plane(exact_plane):
 def test_exact_windows_in_space():
     windows = tabulate_windows(measure(plane_normals(2), np.arange(4) / 4, 0), 0)
     # For uniform x, y, z in [-1/2, 1/2] the median m of |x + y + z| solves this cubic equation:
-# m**3 / 3 - 3 m / 4 + 1 / 4 = 0.
+    # m**3 / 3 - 3 m / 4 + 1 / 4 = 0.
     m = min(r.real for r in np.roots([1 / 3, 0, -3 / 4, 1 / 4]) if 0 < r.real < 1)
     assert ends(windows, "lower")["faces"] == pytest.approx(2 * m / math.sqrt(3), abs=1e-6)
     expected = dict(zip(RULES, (math.sqrt(3), 1, 1, math.sqrt(3) / 2), strict=True))

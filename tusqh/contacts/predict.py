@@ -61,7 +61,7 @@ def predict_betti(labels: Labels, contacts: Contacts, n_materials: int) -> list[
         Material of every cell; all cells of the outermost layer have the material that fills the
         outside.
     contacts
-        What was decided.
+        The decisions at all contacts.
     n_materials
         Number of materials.
 
@@ -103,7 +103,7 @@ def predict_solid(labels: Labels, contacts: Contacts, void: int) -> BettiNumbers
     labels
         Material of every cell, as for `predict_betti`.
     contacts
-        What was decided.
+        The decisions at all contacts.
     void
         Index of the void.
     """
@@ -132,7 +132,7 @@ def count_euler(labels: Labels, contacts: Contacts, n_materials: int) -> IntArra
     labels
         Material of every cell.
     contacts
-        What was decided.
+        The decisions at all contacts.
     n_materials
         Number of materials.
     """

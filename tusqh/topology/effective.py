@@ -68,8 +68,8 @@ def label_components(cells: BoolArray, joins: BoolArray) -> tuple[IntArray, int]
 def count_euler_characteristic(kept: BoolArray, connects: BoolArray) -> int:
     """Return the Euler characteristic of kept cells whose pinches have been decided.
 
-    Only nodes whose star changes it are counted: the link of an edge or vertex that is no pinch and
-    has some, but not all, of its cells kept is contractible.
+    Only nodes whose star changes it are counted: the link of an edge or vertex that is not a pinch
+    and has some, but not all, of its cells kept is contractible.
 
     Parameters
     ----------
