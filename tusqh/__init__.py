@@ -1,16 +1,16 @@
-"""Quad and hex meshes with a chosen topology, from geometry that nobody has repaired.
+"""Make quad and hex meshes with a chosen topology from unrepaired geometry.
 
 `tusqh.mesh` makes a mesh in one call.  Importing the package imports nothing else: a public name
-is imported when it is first used.  `docs/public.md` says what is stable.
+is imported when it is first used.  `docs/public.md` lists the stable names.
 """
 
 from importlib import import_module
 from typing import Any
 
-#: The one home of the version: `pyproject.toml` reads it from here.
+#: The version is defined only here; `pyproject.toml` reads it.
 __version__ = "0.1.0"
 
-#: Where each public name is defined; `__init__.pyi` says the same to type checkers.
+#: The module of each public name; `__init__.pyi` states the same for type checkers.
 _MODULES = {
     "Image": "tusqh.geometry.image",
     "Outline": "tusqh.geometry.outline",

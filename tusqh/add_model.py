@@ -1,4 +1,4 @@
-"""Add a model: its block in the configuration, its row in the register, its geometry file."""
+"""Add a model to the configuration and to the register, and copy its geometry file."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from tusqh.settings.model import Model
 
 REGISTER = Path("data_sources/register.csv")
 
-#: What `describe` counts that is not a defect.
+#: Counts of `describe` that are not defects.
 _NO_DEFECTS = {
     *("triangles", "parts", "shells", "segments", "chains", "closed_chains", "points"),
     *("counter_clockwise_chains", "clockwise_chains", "signed_area", "signed_volume"),
@@ -40,7 +40,7 @@ def add_model(
     origin: str = "",
     url: str = "",
 ) -> tuple[str, dict[str, str]]:
-    """Write a new model into the configuration and the register: both, or neither.
+    """Write a new model into both the configuration and the register, or into neither.
 
     A geometry file from outside the repository is copied to ``data_sources/<name>/``.  The text
     of the configuration does not change, comments included; the block is added after the last one.
@@ -54,7 +54,7 @@ def add_model(
     model
         Its settings; those that are not the defaults, and the grid, become its block.
     licence, origin, url
-        Where the file comes from and what one may do with it, for the register.
+        The licence and the origin of the file, for the register.
 
     Returns
     -------
@@ -68,7 +68,7 @@ def add_model(
     ConfigError
         The name or an equal block exists already, or the block is not valid.
     GeometryError
-        The file cannot be read; dirty geometry can.
+        The file cannot be read (dirty geometry can be read).
     OutputError
         A file cannot be written.
     """
@@ -102,7 +102,7 @@ def add_model(
 
 
 def _to_entry(model: Model) -> dict[str, Any]:
-    """Return the block of a model: its grid, and what is not a default.
+    """Return the block of a model: its grid, and the settings that are not defaults.
 
     >>> _to_entry(Model(geometry="a.stl", unit="mm"))
     {'geometry': 'a.stl', 'unit': 'mm', 'grid': {'cells': 64, 'placement': 'auto'}}
@@ -184,7 +184,7 @@ def _to_yaml(value: Any) -> str:
 
 
 def _require_valid(config_file: Path, text: str, expected: dict[str, Any]) -> None:
-    """Raise unless the new text says what was meant and follows the schema."""
+    """Raise unless the new text contains the expected model and follows the schema."""
     if yaml.safe_load(text) != expected:
         raise ConfigError(
             "the block cannot be added without changing others",

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all."""
+"""Write files that appear complete or not at all."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from tusqh.errors import OutputError
 def replacing(path: Path) -> Iterator[Path]:
     """Yield a temporary name in the folder of `path`, renamed to `path` when the block succeeds.
 
-    The temporary file keeps the suffix, which many libraries choose the format by.  When the
-    block fails it is removed, and an existing file at `path` is not changed.
+    The temporary file keeps the suffix, by which many libraries choose the format.  If the
+    block fails, it is removed, and an existing file at `path` is not changed.
 
     Parameters
     ----------
@@ -54,21 +54,21 @@ def replacing(path: Path) -> Iterator[Path]:
     temporary = Path(name)
     try:
         yield temporary
-        # mkstemp makes files private; give the result the permissions any new file would have.
+        # mkstemp makes files private; give the result the permissions of any other new file.
         mask = os.umask(0)
         os.umask(mask)
         temporary.chmod(0o666 & ~mask)
         temporary.replace(path)
     except OSError as reason:
         if reason.filename not in (None, name):
-            raise  # Another file's trouble, which the block met.
+            raise  # The error concerns another file.
         raise _not_writable(path, str(reason.strerror or reason)) from reason
     finally:
         temporary.unlink(missing_ok=True)
 
 
 def require_writable(path: Path) -> None:
-    """Raise an error if a file cannot be written.  Writes nothing; call it before long work.
+    """Raise an error if a file cannot be written, without writing it; call it before long work.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def require_writable(path: Path) -> None:
 
 
 def write_text(path: Path, text: str) -> None:
-    r"""Write a UTF-8 text file with ``\n`` line ends, whole or not at all.
+    r"""Write a UTF-8 text file with ``\n`` line ends; it appears complete or not at all.
 
     Parameters
     ----------

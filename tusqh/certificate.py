@@ -1,7 +1,7 @@
-"""The topology certificate of a mesh, and its check from the mesh file alone.
+"""Make the topology certificate of a mesh, and check it from the mesh file alone.
 
-A certificate holds claims about the mesh and about the fractions it was made of.  Both are
-recomputed by the functions that made them, and the check is the difference.
+A certificate holds claims about the mesh and about the fractions from which it was made.  The check
+recomputes both by the functions that made them, and compares.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from tusqh.topology.betti_numbers import BettiNumbers
 #: Name of the certificate in the folder of its mesh.
 FILE_NAME = "certificate.json"
 
-#: What the parts of a claim are called in tables.
+#: Names of the parts of a claim in tables.
 _TITLES = {
     "mesh": "SHA-256 of the mesh",
     "fractions": "SHA-256 of the fractions",
@@ -54,7 +54,7 @@ def make_certificate(
     Parameters
     ----------
     selection
-        The threshold and why it was chosen.
+        The threshold and the reason for its choice.
     cells
         The cells of the mesh, with decisions, bridges and removed and filled features.
     mesh_file, fractions_file
@@ -65,7 +65,7 @@ def make_certificate(
     Raises
     ------
     MeshError
-        The mesh does not have the predicted topology, or a check fails: no certificate then.
+        The mesh does not have the predicted topology, or a check fails; no certificate is made.
     """
     measured = read_vtu(mesh_file, name=name).measurement
     if cells.predicted != selection.predicted or not _is_as_predicted(measured, cells.predicted):
@@ -99,7 +99,7 @@ def make_certificate(
 
 
 def check_certificate(path: Path, mesh_file: Path, measured: Measurement) -> list[Check]:
-    """Return what a certificate claims, recomputed from the mesh and, if there, the fractions.
+    """Return the checks of a certificate's claims, recomputed from mesh and fractions.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def schema() -> dict[str, Any]:
 
 
 def read_predicted(path: Path) -> BettiNumbers:
-    """Return the Betti numbers that a certificate says were predicted.
+    """Return the predicted Betti numbers that a certificate states.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def _is_as_predicted(measured: Measurement, predicted: BettiNumbers) -> bool:
 
 
 def _claim_of_mesh(measured: Measurement) -> dict[str, Any]:
-    """Return what is claimed of a mesh alone."""
+    """Return the claims about the mesh alone."""
     return {
         "euler": list(measured.by_euler),
         "boundary": list(measured.by_boundary),
@@ -181,7 +181,7 @@ def _claim_of_mesh(measured: Measurement) -> dict[str, Any]:
 
 
 def _claim_of_cells(cells: CellSet, raw: BettiNumbers) -> dict[str, Any]:
-    """Return what is claimed of the fractions at the threshold, before meshing."""
+    """Return the claims about the fractions at the threshold, before meshing."""
     decisions = cells.decisions
     return {
         "raw": list(raw),
@@ -207,7 +207,7 @@ def _claims_in(stored: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _compare(key: str, found: Any, claimed: Any) -> Check:
-    """Return the check of one claim; digests are shortened, and of tables rows are counted."""
+    """Return the check of one claim; it shortens digests and shows tables by their row counts."""
     is_digest = key in ("mesh", "fractions")
     is_table = key in ("checks", "features")
     shown = [

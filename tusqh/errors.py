@@ -1,4 +1,4 @@
-"""Errors that say what was found, where, what was expected and what to do next."""
+"""Errors that state what was found, where, what was expected and what to do next."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def one_line(text: str) -> str:
     Parameters
     ----------
     text
-        The text; bytes of a name that are not UTF-8 are spelt out too.
+        The text; bytes of a name that are not UTF-8 are also spelt out.
 
     Examples
     --------
@@ -41,7 +41,7 @@ class TusqhError(Exception):
     where
         The file, model, key or cell in which it was found.
     expected
-        What would have been right.
+        The values or the state that would have been valid.
     remedy
         What to do next.
 

@@ -1,4 +1,4 @@
-"""Import optional libraries; a missing one is an error that names the extra to install."""
+"""Import optional libraries; the error for a missing one names the extra to install."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def require(module: str, *, extra: str) -> ModuleType:
     Raises
     ------
     MissingExtraError
-        If the library is not installed.  A library that is installed but fails to load raises its
+        The library is not installed.  A library that is installed but fails to load raises its
         own `ImportError`.
 
     Examples

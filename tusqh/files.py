@@ -1,4 +1,4 @@
-"""The files of a model's results: the one place that knows their names, columns and meaning.
+"""The names, columns and meanings of the files of a model's results, in one place.
 
 The rules of the workflow, `Result.save`, the explorer and the overview all take the names of files
 from here.  ``docs/files.md`` lists them with the rules that write and read each one.
@@ -21,7 +21,7 @@ class ResultFile:
     path
         Path in the folder of the model.
     sentence
-        What the file contains.
+        A sentence on the content of the file.
     columns
         Columns of a table, for a solid; an outline has no ``k`` and ``z``.
     """

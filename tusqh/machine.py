@@ -1,4 +1,4 @@
-"""What this machine has: memory that a process can still get."""
+"""Measure the memory that this machine can still give to a process."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _GROUP = Path("/sys/fs/cgroup")
 
 
 def available_memory() -> int:
-    """Return how many bytes of memory this process can still get.
+    """Return the number of bytes of memory that this process can still get.
 
     Returns
     -------

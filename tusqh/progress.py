@@ -1,4 +1,4 @@
-"""Progress of long work as log lines: at most one in two seconds, so that short work is silent."""
+"""Log the progress of long work, at most once in two seconds, so that short work is silent."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ _SECONDS_BETWEEN_LINES = 2.0
 #: Called with (done, total) as the work progresses.
 Report = Callable[[int, int], None]
 
-#: Called with what is about to happen; returns the function to report on it.
+#: Called with the name of a task before it starts; returns the function that reports on it.
 Progress = Callable[[str], Report]
 
 
 def log_progress(what: str) -> Report:
-    """Return a function of (done, in all) that logs the progress of a task.
+    """Return a function of (done, total) that logs the progress of a task.
 
     Parameters
     ----------

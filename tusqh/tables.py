@@ -16,7 +16,7 @@ def write_csv(path: Path, table: pd.DataFrame) -> None:
     Parameters
     ----------
     path
-        The file to write, whole or not at all.
+        The file to write; it appears complete or not at all.
     table
         The table; its index is not written.
     """
@@ -29,7 +29,7 @@ def write_markdown(path: Path, table: pd.DataFrame) -> None:
     Parameters
     ----------
     path
-        The file to write, whole or not at all.
+        The file to write; it appears complete or not at all.
     table
         The table; its index is not written.
 
