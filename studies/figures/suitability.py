@@ -53,6 +53,7 @@ def draw_suitability(table: pd.DataFrame) -> Figure:
             panel.set_xscale("log")
         elif linear_up_to is not None:
             panel.set_xscale("symlog", linthresh=linear_up_to)
+            panel.autoscale(axis="x")
             panel.set_xlim(left=-0.3 * linear_up_to)
         panel.set(xlabel=label, ylabel="")
         if panel is not axes[0, 0]:
