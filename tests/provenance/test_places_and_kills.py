@@ -88,6 +88,7 @@ def test_elsewhere_and_after_kills_every_byte_is_the_same(
     check_the_same(locked, folder, monkeypatch)
 
 
+@pytest.mark.slow
 def test_one_model_made_again_elsewhere_with_kills_is_the_same(locked, checkout, monkeypatch):
     shutil.rmtree(checkout / "results/plate")
     assert run_with_kills(checkout.folder, 3, seed=3) == 3
