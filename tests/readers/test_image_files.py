@@ -396,11 +396,16 @@ def test_the_lower_of_two_values_is_the_background(cases):
     assert "1 is taken as empty, 2 as material" in remarks_of(reading)
 
 
-@pytest.mark.parametrize("dtype", [np.uint8, np.int32, np.float32, np.int64])
-@pytest.mark.parametrize("labels", [(0, 1, 2), (0, 3, 0, 7, 200), (0, 1, 70000, 2)])
+@pytest.mark.parametrize(
+    ("labels", "dtype"),
+    [
+        (labels, dtype)
+        for labels in ((0, 1, 2), (0, 3, 0, 7, 200), (0, 1, 70000, 2))
+        for dtype in (np.uint8, np.int32, np.float32, np.int64)
+        if not (70000 in labels and dtype == np.uint8)
+    ],
+)
 def test_images_of_labels_are_recognised_in_every_type(labels, dtype):
-    if max(labels) > np.iinfo(np.int16).max and dtype == np.uint8:
-        pytest.skip("the labels are too large for this type")
     image = read_object(blocks(*labels, dtype=dtype))
     assert image.fractions().sum() == 64 * sum(label > 0 for label in labels)
 

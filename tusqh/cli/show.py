@@ -10,7 +10,7 @@ import pandas as pd
 from rich.console import Console
 from rich.table import Table
 
-#: Columns of output that is not a terminal: more than any line has, so that none is wrapped.
+#: Width of output that is not a terminal, in columns; no line is longer, so no line is wrapped.
 _UNLIMITED = 100_000
 
 

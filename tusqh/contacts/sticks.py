@@ -272,7 +272,7 @@ def _list_options(v, octants, options, field, costs, tables):  # type: ignore[no
 
 @numba.njit(cache=True)
 def _search(octants, options, ball_cost, best, tables):  # type: ignore[no-untyped-def]
-    """Return the cheapest good sticks of a vertex, all -1 if none is cheaper than `best`."""
+    """Return the cheapest good sticks of a vertex, or -1 for all if none cost less than `best`."""
     labels, price, number = options
     sectors = np.empty(48, dtype=np.int32)
     now, found = np.empty(6, dtype=np.int32), np.full(6, -1, dtype=np.int32)
