@@ -5,9 +5,12 @@ import re
 import subprocess
 import sys
 
+import pandas as pd
 import pytest
 import trimesh
 from samples import write_samples
+
+from tusqh.cli.show import show
 
 COMMAND = [sys.executable, "-W", "default", "-m", "tusqh"]
 #: Runs `tusqh` once for each line of standard input, in one process.
@@ -90,3 +93,10 @@ def test_a_closed_pipe_that_is_not_an_output_stops_nothing(monkeypatch):
     monkeypatch.setattr(interruption, "_caught", [])
     interruption._stop_quietly(13, None)
     assert interruption.to_exit_code(0) == 0
+
+
+def test_piped_tables_have_no_spaces_at_the_end_of_lines(capsys):
+    show(pd.DataFrame({"count": [1], "what": ["holes"]}), title="A title that is longer")
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) > 3
+    assert all(line == line.rstrip() for line in lines)

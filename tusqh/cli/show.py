@@ -42,7 +42,14 @@ def show(frame: pd.DataFrame, *, title: str) -> None:
         table.add_column(str(column), overflow="fold", no_wrap=k == 0, min_width=len(str(column)))
     for row in frame.itertuples(index=False):
         table.add_row(*map(_to_text, row))
-    make_console(markup=False, highlight=False).print(table)
+    console = make_console(markup=False, highlight=False)
+    if console.is_terminal:
+        console.print(table)
+        return
+    with console.capture() as captured:
+        console.print(table)
+    for line in captured.get().splitlines():
+        print(line.rstrip())
 
 
 def report_error(message: str) -> None:

@@ -39,7 +39,7 @@ def mesh_label_file(path: str, settings: Settings) -> MaterialMesh:
     labels = as_whole_numbers(image.voxels) if isinstance(image, Image) else None
     if not isinstance(image, Image) or labels is None:
         raise GeometryError(
-            "a file that is no image of labels",
+            "a file that is not an image of labels",
             where=path,
             expected="an image (NPY, TIFF, NRRD) whose voxels are whole numbers",
             remedy="leave out --materials to mesh it as one material",

@@ -69,7 +69,7 @@ def read(path: Path) -> Reading:
                 "noted",
                 "last lines without a line break",
                 int(is_cut),
-                "check that the file is whole: the format has no counts",
+                "check that the file is complete: OBJ states no counts",
             )
         ),
     ]
@@ -133,7 +133,7 @@ def _check_counts(content: bytes, n_points: int, n_faces: int, path: Path) -> No
             raise damaged(
                 path,
                 f"the file states {int(stated)} {keyword.decode().lower()} and holds {found}",
-                expected="as many as its comment states",
+                expected="as many as it states in its comments",
             )
 
 

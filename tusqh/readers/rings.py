@@ -219,7 +219,7 @@ def turned_remark(n_turned: int) -> list[Remark]:
     n_turned
         Number of reversed rings.
     """
-    what = "rings turned, since the others have the material on the other hand"
+    what = "rings turned, since the others have the material on their other side"
     return [Remark("changed", what, n_turned)] if n_turned else []
 
 

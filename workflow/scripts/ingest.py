@@ -13,8 +13,10 @@ with recorded(snakemake) as log:
     reading = read_source(snakemake.params.source, image=snakemake.params.image)
     reading = with_unused(reading, snakemake.params.unused)
     read = describe_reading(reading)
-    for text in (*lines_of_reading(read).values(), *reading.remarks):
-        log.info("%s", text)
+    for title, line in lines_of_reading(read).items():
+        log.info("%s: %s", title, line)
+    for remark in reading.remarks:
+        log.info("%s", remark)
     write_geometry(Path(snakemake.output.geometry), reading.geometry)
     write_text(Path(snakemake.output.reading), canonical_json(read))
     write_csv(Path(snakemake.output.defects), describe_geometry(reading.geometry))
