@@ -383,6 +383,18 @@ def test_tables_are_shown_as_they_are(opened, subject):
     assert page.locator("#panel-quality table").nth(2).locator("tbody tr").count() == n
 
 
+def test_the_badge_of_a_model_with_warnings_is_not_that_of_a_suitable_one(browser, tmp_path):
+    subject = make_subject(noise(np.random.default_rng(7), (4, 4)))
+    colours = set()
+    for verdict in ("yes", "warning", "no"):
+        table = subject.tables["verdict"].assign(holds=verdict)
+        path = tmp_path / f"{verdict}.html"
+        page = make_page(replace(subject, tables=subject.tables | {"verdict": table}))
+        path.write_text(page, encoding="utf-8")
+        colours.add(Opened(browser, path).evaluate("getComputedStyle(verdict).color"))
+    assert len(colours) == 3
+
+
 def test_names_that_attack_are_only_text(browser, tmp_path):
     fractions = noise(np.random.default_rng(7), (4, 4))
     subject = make_subject(fractions)

@@ -38,7 +38,9 @@ class Parts(HTMLParser):
         self.text.append(data)
 
 
-def write_model(folder: Path, name: str, *, holds: bool = True, n_rows: int = 3) -> dict[str, Any]:
+def write_model(
+    folder: Path, name: str, *, holds: bool = True, verdict: str = "yes", n_rows: int = 3
+) -> dict[str, Any]:
     """Write the files of a model in which every text that users choose is nasty."""
     folder.mkdir(parents=True)
     certificate = {
@@ -68,7 +70,7 @@ def write_model(folder: Path, name: str, *, holds: bool = True, n_rows: int = 3)
     tables = {
         "defects": {"defect": ["boundary_edges"], "count": [9], "explanation": [NASTY]},
         "candidates": {"rank": [1], "threshold": [0.5]},
-        "verdict": {"name": [NASTY], "found": [1], "required": [1], "holds": ["yes"]},
+        "verdict": {"name": [NASTY], "found": [1], "required": [1], "holds": [verdict]},
         "verification": {"threshold": [k / 1000 for k in range(n_rows)], "holds": [holds] * n_rows},
     }
     for title, table in tables.items():
@@ -158,6 +160,15 @@ def test_failures_are_counted_and_named(overview, tmp_path):
     page, parts = overview(*files)
     assert "1 of 2 models" in parts.text
     assert page.read_text().count('class="fails"') == 2
+
+
+def test_warnings_are_counted_and_shown(overview, tmp_path):
+    verdicts = {"a": "yes", "b": "warning", "c": "no"}
+    files = [write_model(tmp_path / f"results/{k}", k, verdict=v) for k, v in verdicts.items()]
+    page, parts = overview(*files)
+    assert "2 of 3 models" in "".join(parts.text)
+    assert "1 of them has warnings" in "".join(parts.text)
+    assert page.read_text().count('<li class="warned">') == 1
 
 
 def test_long_tables_are_cut_and_say_so(overview, tmp_path):

@@ -50,7 +50,9 @@ class ModelEntry:
     name
         Name of the model.
     holds
-        Whether the mesh has the predicted topology at every threshold and passes every check.
+        Whether the mesh has the predicted topology at every threshold and no check fails.
+    is_warned
+        Whether a check warns.
     lines
         Wanted, predicted, selected and measured topology, size and verdict, by title.
     source
@@ -65,6 +67,7 @@ class ModelEntry:
 
     name: str
     holds: bool
+    is_warned: bool
     lines: dict[str, str]
     source: dict[str, str]
     tables: dict[str, pd.DataFrame]
@@ -134,6 +137,7 @@ def read_model(
     return ModelEntry(
         name=certificate["model"],
         holds=is_suitable and n_holding == len(verification) and bool(certificate["holds"]),
+        is_warned=bool((verdict["holds"] == "warning").any()),
         lines=lines,
         source=_describe_source(certificate, geometry, register),
         tables={

@@ -398,6 +398,7 @@ class Explorer {
     }));
     byId('verdict').textContent = facts.verdict;
     byId('verdict').classList.toggle('bad', !facts.verdict.startsWith('suitable'));
+    byId('verdict').classList.toggle('warned', facts.verdict.startsWith('suitable with warnings'));
   }
 
   async copyCommand() {
