@@ -13,6 +13,7 @@ __version__ = "0.1.0"
 #: The module of each public name; `__init__.pyi` states the same for type checkers.
 _MODULES = {
     "Image": "tusqh.geometry.image",
+    "MaterialsResult": "tusqh.pipeline.materials.result",
     "Outline": "tusqh.geometry.outline",
     "Result": "tusqh.pipeline.result",
     "Soup": "tusqh.geometry.soup",
@@ -23,6 +24,7 @@ _MODULES = {
 
 __all__ = [
     "Image",
+    "MaterialsResult",
     "Outline",
     "Result",
     "Soup",

@@ -1,9 +1,11 @@
-"""`tusqh mesh --materials` meshes an image of labels and prints a row for every material."""
+"""`tusqh mesh --materials` prints a row for every material."""
 
 import json
+import re
 
 import meshio
 import numpy as np
+import trimesh
 from typer.testing import CliRunner
 
 from tusqh.cli.app import app
@@ -20,11 +22,8 @@ def test_a_file_of_labels(tmp_path):
     assert done.exit_code == 0, done.output
     report = json.loads(done.stdout)
     rows = {row["material"]: row for row in report["materials"]}
-    assert {name: row["measured"] for name, row in rows.items()} == {
-        "1": "(1, 0, 1)",
-        "5": "(1, 0, 0)",
-        "all": "(1, 0, 0)",
-    }
+    betti = {n: [row[f"betti_{k}_measured"] for k in range(3)] for n, row in rows.items()}
+    assert betti == {"1": [1, 0, 1], "5": [1, 0, 0], "all": [1, 0, 0]}
     assert [row["volume"] for row in rows.values()] == [208.0, 8.0, 216.0]
     numbers, counts = np.unique(meshio.read(out).cell_data["material"][0], return_counts=True)
     assert dict(zip(numbers, counts, strict=True)) == {1: 208, 2: 8}
@@ -36,3 +35,24 @@ def test_a_file_of_labels(tmp_path):
     done = CliRunner().invoke(app, [*words, "--betti", "1,0,0"])
     assert done.exit_code != 0
     assert "goal" in str(done.exception)
+
+
+def test_a_file_for_each_material(tmp_path):
+    for name, radius in (("core", 1.0), ("shell", 2.0)):
+        trimesh.creation.icosphere(subdivisions=2, radius=radius).export(tmp_path / f"{name}.stl")
+    sources = [str(tmp_path / "core.stl"), str(tmp_path / "shell.stl")]
+    words = ["mesh", *sources, "--cells", "8", "-o", str(tmp_path / "out.exo")]
+    done = CliRunner().invoke(app, [*words, "--materials", "--material", "core=1,0,0"])
+    assert done.exit_code == 0, done.output
+    assert re.search(r"core\W+32\W+4\W+\(1, 0, 0\)\W+\(1, 0, 0\)\W+yes", done.stdout)
+    assert (tmp_path / "out.exo").stat().st_size > 0
+    done = CliRunner().invoke(app, [*words, "--material", "core=3,0,0"])
+    assert done.exit_code == 1
+    for wrong, message in (
+        ([], "2 geometries"),
+        (["--material", "core"], "found 'core'"),
+        (["--materials", "--results", str(tmp_path)], "--results together with several"),
+    ):
+        done = CliRunner().invoke(app, [*words, *wrong])
+        assert done.exit_code != 0
+        assert message in str(done.exception)

@@ -3,82 +3,122 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pandas as pd
 import typer
 
-from tusqh.cli.show import show
-from tusqh.errors import ConfigError
+from tusqh.cli.show import report_error, show
+from tusqh.errors import ConfigError, TopologyError
+from tusqh.settings.goal import Target
+from tusqh.settings.materials import Material
 from tusqh.settings.model import Settings
+
+if TYPE_CHECKING:
+    from tusqh.pipeline.materials.result import MaterialsResult
 
 
 def mesh_and_show(
-    geometry: str,
-    outputs: list[Path],
-    results: Path | None,
+    sources: Sequence[str],
+    wishes: Sequence[str],
     settings: Settings,
     *,
+    rest: str | None,
+    outputs: list[Path],
     as_json: bool,
 ) -> None:
-    """Mesh an image of labels, write the mesh and print a row for every material.
+    """Mesh several materials, write the mesh and print a row for each of them.
 
     Parameters
     ----------
-    geometry
-        The image.
-    outputs
-        Mesh files to write.
-    results
-        Folder of results, which several materials do not have yet.
+    sources
+        A file for each material, or one file of parts or labels.
+    wishes
+        Wishes for materials, see `read_wish`.
     settings
         The settings of the command line.
+    rest
+        Name of the material that fills what the others leave; None: that is void.
+    outputs
+        Mesh files to write.
     as_json
-        Print JSON instead of a table.
+        Print JSON instead of tables.
+
+    Raises
+    ------
+    typer.Exit
+        With code 1: a wish cannot be fulfilled, or a check fails.
+    """
+    from tusqh.pipeline.materials.mesh import mesh_several
+
+    source = sources[0] if len(sources) == 1 else list(sources)
+    materials = [read_wish(text) for text in wishes]
+    try:
+        found = mesh_several(source, settings, materials=materials, rest=rest)
+    except TopologyError as error:
+        report_error(str(error))
+        raise typer.Exit(1) from None
+    for path in outputs:
+        found.write(path)
+    if as_json:
+        typer.echo(json.dumps(found.to_dict(), indent=2))
+    else:
+        _show(found, outputs)
+    if not found.is_as_predicted:
+        raise typer.Exit(1)
+
+
+def read_wish(text: str) -> Material:
+    """Return the wish for a material that the option ``--material`` describes.
+
+    Parameters
+    ----------
+    text
+        The name of the material, an equals sign, and a threshold, Betti numbers as for ``--betti``,
+        or ``label N``, the label that has this name.
 
     Raises
     ------
     ConfigError
-        A folder of results is asked for.
-    """
-    if results is not None:
-        raise ConfigError(
-            "--results together with --materials",
-            where="tusqh mesh",
-            expected="mesh files with -o",
-            remedy="leave out --results",
-        )
-    from tusqh.pipeline.materials import mesh_label_file
+        The text is none of these.
 
-    found = mesh_label_file(geometry, settings)
-    for path in outputs:
-        found.write(path)
-    rows = [
-        {
-            "material": name,
-            "elements": measured.mesh.n_cells,
-            "volume": measured.volume,
-            "predicted": str(found.predicted[name]),
-            "measured": str(measured.by_euler),
-        }
-        for name, measured in found.measured.items()
-    ]
-    solid = found.measured_solid
-    rows.append(
-        {
-            "material": "all",
-            "elements": solid.mesh.n_cells,
-            "volume": solid.volume,
-            "predicted": str(found.predicted_solid),
-            "measured": str(solid.by_euler),
-        }
-    )
-    if as_json:
-        facts = {"contacts": found.n_contacts, "overruled": found.n_overruled}
-        typer.echo(json.dumps({"materials": rows, **facts}, indent=2))
-    else:
-        show(pd.DataFrame(rows), title=f"Materials of {found.mesh.name}")
-        typer.echo(f"contacts {found.n_contacts}, votes overruled {found.n_overruled}")
-        typer.echo("written  " + ", ".join(map(str, outputs)))
-    if not found.is_as_predicted:
-        raise typer.Exit(1)
+    Examples
+    --------
+    >>> read_wish("ring=0.4").threshold, str(read_wish("ball=1,0,*").target)
+    (0.4, 'betti_0 = 1, betti_1 = 0')
+    >>> read_wish("bone=label 2").label
+    2
+    """
+    name, _, value = text.partition("=")
+    try:
+        if value.startswith("label "):
+            return Material.from_dict({"name": name, "label": int(value.removeprefix("label "))})
+        if "," in value:
+            return Material.from_dict({"name": name, "target": Target.from_option(value)})
+        return Material.from_dict({"name": name, "threshold": float(value)})
+    except ValueError:
+        raise ConfigError(
+            f"found {text!r}",
+            where="option --material",
+            expected="NAME=THRESHOLD, NAME=BETTI,NUMBERS or NAME=label NUMBER",
+            remedy="give for instance --material ring=0.4 or --material ball=1,0,0",
+        ) from None
+
+
+def _show(found: MaterialsResult, outputs: Sequence[Path]) -> None:
+    """Print a row for every material and for every pair that meets, overlaps or has a gap."""
+    table = found.materials
+    rows = pd.DataFrame({name: table[name] for name in ("material", "elements", "volume")})
+    for how in ("predicted", "measured"):
+        betti = table[[f"betti_{k}_{how}" for k in range(3)]].to_numpy().tolist()
+        rows[how] = [str(tuple(row)) for row in betti]
+    rows["holds"] = table["holds"].map({True: "yes", False: "no"})
+    show(rows, title=f"Materials of {found.mesh.name}")
+    if len(found.pairs):
+        show(found.pairs, title="Pairs")
+    for remark in found.remarks:
+        typer.echo(str(remark))
+    typer.echo(f"contacts {found.built.n_contacts}, votes overruled {found.built.n_overruled}")
+    typer.echo("written  " + ", ".join(map(str, outputs)))

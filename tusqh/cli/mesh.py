@@ -13,7 +13,7 @@ from tusqh.cli import options
 from tusqh.cli.materials import mesh_and_show
 from tusqh.cli.progress import shown
 from tusqh.cli.show import make_console, report_error
-from tusqh.errors import OutputError, TopologyError
+from tusqh.errors import ConfigError, OutputError, TopologyError
 from tusqh.settings.model import Settings
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ Results = Annotated[
 
 @options.with_settings()
 def mesh(
-    geometry: options.Source,
+    geometry: options.Sources,
     output: Output = None,
     results: Results = None,
     *,
@@ -50,9 +50,23 @@ def mesh(
     materials: Annotated[
         bool,
         typer.Option(
-            "--materials", help="Mesh every label of an image as a material of its own; 0 is void."
+            "--materials",
+            help="Mesh several materials: a file for each, of which earlier ones have priority "
+            "where they overlap; or one file, whose parts or labels they are (label 0 is void).",
         ),
     ] = False,
+    material: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Threshold or Betti numbers of one of the materials, as ring=0.4 or ball=1,0,0; "
+            "`bone=label 2` names a label. May be given several times.",
+            metavar="NAME=WISH",
+        ),
+    ] = None,
+    rest: Annotated[
+        str | None,
+        typer.Option(help="Material that fills what the others leave of the grid.", metavar="NAME"),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the report as JSON.")] = False,
 ) -> None:
     """Mesh a dirty geometry with the topology you ask for.
@@ -68,17 +82,25 @@ def mesh(
     * `tusqh mesh bearing.stl --rule clamped --betti 3,* -o bearing.msh -o bearing.inp`
 
     * `tusqh mesh map.geojson --domain outside --threshold 0.4 --results out/map`
+
+    * `tusqh mesh ring.stl ball.stl --materials --material ball=1,0,0 -o assembly.exo`
     """
-    outputs = output or [Path(Path(geometry).stem + ".vtu")]
+    stem = Path(geometry[0]).stem if len(geometry) == 1 else "materials"
+    outputs = output or [Path(stem + ".vtu")]
     _require_outputs(geometry, outputs, results)
-    if materials:
-        mesh_and_show(geometry, outputs, results, settings, as_json=as_json)
+    is_several = materials or bool(material) or rest is not None
+    if is_several and results is None:
+        mesh_and_show(
+            geometry, material or [], settings, rest=rest, outputs=outputs, as_json=as_json
+        )
         return
+    if is_several or len(geometry) > 1:
+        raise _misused(len(geometry), results)
     from tusqh.pipeline.mesh import run_stages
 
     try:
         with shown() as progress:
-            result = run_stages(geometry, settings, progress=progress)
+            result = run_stages(geometry[0], settings, progress=progress)
     except TopologyError as error:
         report_error(str(error))
         raise typer.Exit(1) from None
@@ -96,7 +118,24 @@ def mesh(
     raise typer.Exit(3 if strict and report.has_warnings else 0)
 
 
-def _require_outputs(geometry: str, outputs: list[Path], results: Path | None) -> None:
+def _misused(n_files: int, results: Path | None) -> ConfigError:
+    """Return the error for several files without --materials, or for --results beside it."""
+    if results is not None:
+        return ConfigError(
+            "--results together with several materials",
+            where="tusqh mesh",
+            expected="mesh files with -o",
+            remedy="leave out --results; --json prints all tables",
+        )
+    return ConfigError(
+        f"{n_files} geometries",
+        where="tusqh mesh",
+        expected="one geometry, or --materials for one mesh of several materials",
+        remedy="add --materials, or mesh one after the other",
+    )
+
+
+def _require_outputs(geometries: list[str], outputs: list[Path], results: Path | None) -> None:
     """Raise before any work when an output cannot be written."""
     from tusqh.atomic import require_writable
     from tusqh.meshes.formats import require_format
@@ -104,7 +143,8 @@ def _require_outputs(geometry: str, outputs: list[Path], results: Path | None) -
     for path in outputs:
         require_format(path)
         require_writable(path)
-        if path.exists() and Path(geometry).exists() and path.samefile(geometry):
+        existing = [Path(geometry) for geometry in geometries if Path(geometry).exists()]
+        if path.exists() and any(path.samefile(geometry) for geometry in existing):
             raise OutputError(
                 "the mesh would replace the geometry",
                 where=str(path),

@@ -26,6 +26,14 @@ Source = Annotated[
     str, typer.Argument(metavar="GEOMETRY", help=f"{FORMATS}; or package:NAME/FILE.")
 ]
 
+Sources = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="GEOMETRY...",
+        help=f"{FORMATS}; or package:NAME/FILE. With --materials, several files.",
+    ),
+]
+
 
 class Command(TyperCommand):
     """A command that names the nearest option where one is unknown."""

@@ -7,8 +7,9 @@ so memory grows with the number of places, not of materials.  Places that decide
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numba
 import numpy as np
@@ -56,7 +57,7 @@ class MaterialFractions:
 
     @classmethod
     def from_multiples(
-        cls, grid: BackgroundGrid, names: Sequence[str], multiples: Sequence[Multiples]
+        cls, grid: BackgroundGrid, names: Sequence[str], multiples: Iterable[Multiples]
     ) -> MaterialFractions:
         """Return the fractions of materials given one by one; the remainder is void.
 
@@ -75,19 +76,29 @@ class MaterialFractions:
         TopologyError
             The fractions at a place add up to more than 1.
         """
-        found = [np.clip(m, 0, FULL).astype(np.int64) for m in multiples]
-        rest = FULL - np.sum(found, axis=0)
-        _require_at_most_one(rest[doubled.cells(grid.dim)])
-        dense = np.stack([*found, np.maximum(rest, 0)]).reshape(len(names) + 1, -1)
-        dense[:, ~_is_deciding(rest.shape)] = 0
-        place, material = np.nonzero(dense.T)
-        start = np.searchsorted(place, np.arange(dense.shape[1] + 1))
+        shape = tuple(2 * n + 1 for n in grid.shape)
+        is_deciding = _is_deciding(shape)
+        rest = np.full(shape, FULL, dtype=np.int64)
+        places, materials, values = [], [], []
+        fields: Iterable[NDArray[np.integer]] = chain(multiples, [rest])
+        for k, field in enumerate(fields):
+            if k == len(names):
+                _require_at_most_one(rest[doubled.cells(grid.dim)])
+            clipped = np.clip(field, 0, FULL).astype(np.int32)
+            rest -= clipped
+            place = np.flatnonzero((clipped.ravel() > 0) & is_deciding)
+            places.append(place)
+            materials.append(np.full(len(place), k, dtype=np.int32))
+            values.append(clipped.ravel()[place])
+        place = np.concatenate(places)
+        order = np.argsort(place, kind="stable")
+        start = np.searchsorted(place[order], np.arange(np.prod(shape) + 1))
         return cls(
             grid=grid,
             names=(*names, VOID),
             start=start.astype(np.int64),
-            material=material.astype(np.int32),
-            multiple=dense[material, place].astype(np.int32),
+            material=np.concatenate(materials)[order],
+            multiple=np.concatenate(values)[order],
         )
 
     @classmethod

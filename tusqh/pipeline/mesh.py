@@ -13,6 +13,8 @@ from tusqh.pipeline.build import build, require_volume
 from tusqh.pipeline.describe_reading import describe_reading
 from tusqh.pipeline.ingest import read_source
 from tusqh.pipeline.judge import judge
+from tusqh.pipeline.materials.mesh import has_several_materials, mesh_several
+from tusqh.pipeline.materials.result import MaterialsResult
 from tusqh.pipeline.original import Original
 from tusqh.pipeline.persistence import find_persistence
 from tusqh.pipeline.result import Result
@@ -22,6 +24,7 @@ from tusqh.progress import Progress, log_progress
 from tusqh.sampling.orient import orient
 from tusqh.settings.arguments import arguments_of, explains_unknown_arguments, from_arguments
 from tusqh.settings.grid import Place
+from tusqh.settings.materials import Materials
 from tusqh.settings.model import Settings
 from tusqh.settings.policy import BridgeMode, MixedPinches
 from tusqh.settings.sampling import Domain, Orientation, Rule, Sampler
@@ -57,16 +60,19 @@ def mesh(
     voids: Mapping[str, Any] | None = None,
     image: Mapping[str, float] | None = None,
     volume_tolerance: float = 0.05,
+    materials: Materials | None = None,
+    rest: str | None = None,
     name: str | None = None,
     progress: Progress = log_progress,
-) -> Result:
+) -> Result | MaterialsResult:
     """Return the quad or hex mesh of a dirty geometry, with the requested topology.
 
     Parameters
     ----------
     source
         A path, a mesh of trimesh or pyvista, arrays (points, triangles), or an array of voxels,
-        see `tusqh.pipeline.ingest.ingest`.
+        see `tusqh.pipeline.ingest.ingest`.  A list of these, or a mapping from names to them, is
+        meshed as several materials; where they overlap, the earlier one has priority.
     cells
         Cells along the longest side (64 by default), or one number for each axis.
     cell_size
@@ -112,6 +118,12 @@ def mesh(
     volume_tolerance
         Largest relative difference between the volumes of the mesh and of the geometry that causes
         no warning (with `volume`, no error).
+    materials
+        Mesh several materials: ``"parts"`` for the parts of the geometry, or names of labels or
+        wishes for materials, such as ``{1: "bone", 2: "marrow"}`` and
+        ``{"ring": 0.4, "ball": (1, 0, 0)}``, see `tusqh.settings.materials.to_materials`.
+    rest
+        Name of the material that fills what the others leave of the grid or window.
     name
         Name of the model in files and messages; by default the name of the file.
     progress
@@ -120,7 +132,8 @@ def mesh(
     Returns
     -------
     result
-        The result, with `mesh`, `diagram`, `curves`, `report` and all intermediate results.
+        The result, with `mesh`, `diagram`, `curves`, `report` and all intermediate results; of
+        several materials with `mesh`, `materials`, `pairs` and `part`.
 
     Raises
     ------
@@ -146,6 +159,9 @@ def mesh(
     """
     given = locals()
     settings = from_arguments(Settings, {key: given[key] for key in arguments_of(Settings)})
+    if has_several_materials(source, materials):
+        wishes = "parts" if materials is None else materials
+        return mesh_several(source, settings, materials=wishes, rest=rest, name=name)
     return run_stages(source, settings, name=name, progress=progress)
 
 

@@ -1,0 +1,137 @@
+"""Sample the fractions of several materials on one background grid."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tusqh.contacts import MaterialFractions, fractions_of_labels
+from tusqh.contacts.material_fractions import VOID
+from tusqh.contacts.surface_fractions import fractions_of_surfaces
+from tusqh.errors import ConfigError, GeometryError
+from tusqh.geometry.image import Image
+from tusqh.geometry.kinds import Surface
+from tusqh.grid import FloatArray
+from tusqh.pipeline.materials.gather import Gathered
+from tusqh.sampling.fractions import require_memory
+from tusqh.sampling.lattice import Box
+from tusqh.sampling.layout import lay_grid
+from tusqh.sampling.voxels import lay_on_voxels
+from tusqh.settings.materials import Material
+from tusqh.settings.model import Settings
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """The fractions of several materials, and where their geometries overlap.
+
+    Parameters
+    ----------
+    fractions
+        Fractions of all materials.
+    overlaps
+        Entry (i, j) is the volume of material j that material i, which comes earlier, took, in
+        model units, shape (m, m); None for labels, which do not overlap.
+    """
+
+    fractions: MaterialFractions
+    overlaps: FloatArray | None = None
+
+
+def sample_materials(gathered: Gathered, settings: Settings, *, rest: str | None = None) -> Sampled:
+    """Return the fractions of several materials on the grid that their settings specify.
+
+    Parameters
+    ----------
+    gathered
+        The materials.
+    settings
+        The settings of the grid, the sampling, the window and the voxels.
+    rest
+        Name of the material that fills what the others leave of the grid or window; None: that is
+        void.
+
+    Raises
+    ------
+    ConfigError
+        The name of the rest is that of a material.
+    GeometryError
+        The materials are partly in the plane and partly in space.
+    SamplingError
+        A material has no sample, or lies wholly inside earlier ones; or labels are unusable.
+    """
+    if rest is not None and rest in (*gathered.surfaces, VOID):
+        raise ConfigError(
+            f"the rest is called {rest!r}",
+            where="rest",
+            expected="a name that no other material has",
+            remedy="choose another name",
+        )
+    if gathered.image is not None:
+        return _sample_labels(gathered.image, gathered, settings, rest)
+    surfaces = list(gathered.surfaces.values())
+    box = _box_around(surfaces) if settings.window is None else settings.window.box
+    grid = lay_grid(surfaces[0], box, cells=settings.grid.cells, cell_size=settings.grid.cell_size)
+    require_memory(grid, "meshing", name="materials")
+    window = None if settings.window is None else box
+    found = fractions_of_surfaces(
+        gathered.surfaces, grid, sampling=settings.sampling, window=window, rest=rest
+    )
+    return Sampled(found.fractions, found.overlaps)
+
+
+def name_labels(wishes: Sequence[Material], rest: str | None = None) -> dict[int, str]:
+    """Return the names of labels that materials and the rest give.
+
+    Parameters
+    ----------
+    wishes
+        The materials.
+    rest
+        Name of label 0, which otherwise is the void.
+    """
+    names = {m.label: m.name for m in wishes if m.label is not None}
+    return names if rest is None else {0: rest, **names}
+
+
+def _sample_labels(
+    image: Image, gathered: Gathered, settings: Settings, rest: str | None
+) -> Sampled:
+    """Return the fractions of labels; label 0 is the void if it has no name."""
+    labels = image.voxels[:, :, 0] if gathered.is_plane else image.voxels
+    grid = lay_on_voxels(image, cells=settings.grid.cells, cell_size=settings.grid.cell_size)
+    names = name_labels(gathered.wishes, rest)
+    fractions = fractions_of_labels(
+        labels,
+        voxels_per_cell=round(grid.cell_size / image.voxel_size),
+        voxel_size=image.voxel_size,
+        origin=image.origin[: labels.ndim],
+        names=names,
+        void=None if 0 in names else 0,
+    )
+    unknown = [m.name for m in gathered.wishes if m.name not in fractions.names]
+    if unknown:
+        raise ConfigError(
+            f"no material {', '.join(map(repr, unknown))}",
+            where="materials",
+            expected=f"one of {', '.join(fractions.names[:20])}",
+            remedy="correct the name, or give the `label` of the material",
+        )
+    return Sampled(fractions)
+
+
+def _box_around(surfaces: Sequence[Surface]) -> Box:
+    """Return the box around all surfaces."""
+    boxes = [surface.bounding_box() for surface in surfaces]
+    if len({len(low) for low, _ in boxes}) > 1:
+        raise GeometryError(
+            "outlines in the plane and surfaces in space",
+            where="materials",
+            expected="materials of one dimension",
+            remedy="leave out one of the two kinds",
+        )
+    low = np.min([low for low, _ in boxes], axis=0)
+    high = np.max([high for _, high in boxes], axis=0)
+    return tuple(low.tolist()), tuple(high.tolist())
