@@ -100,7 +100,7 @@ def _with_noise(subject: Subject, name: str, sigma: float, n: int = 60) -> Subje
         fractions=VolumeFractions.from_values(grid, 4, values),
         curves=curves,
         topologies=topologies,
-        diagram=locate_pairs(topology.outer_pairs, grid),
+        diagram=locate_pairs(topology.pairs, grid),
     )
 
 

@@ -77,9 +77,11 @@ def main() -> None:
         rows.append(compare("betti_curves", n**3, cost_of(tabulate_curves, n), name, reference))
     if len(rows) > 2:
         print(f"betti_curves: seconds grow with cells to the power {growth(rows[1:]):.2f}")
-    if largest >= 64:
-        ours, other = cost_of(pair, 64), cost_of(pair_simplicial, 64)
-        rows.append(compare("persistence_pairs", 64**3, ours, "gudhi simplicial", other))
+    others = dict.fromkeys((32, 64), ("gudhi simplicial", pair_simplicial))
+    for n in (n for n in (32, 64, 128) if n <= largest):
+        name, other = others.get(n, ("", None))
+        reference = cost_of(other, n) if other else None
+        rows.append(compare("persistence_pairs", n**3, cost_of(pair, n), name, reference))
     write_csv(RESULT, pd.DataFrame(rows, columns=FIELDS))
 
 

@@ -59,15 +59,18 @@ def simplicial_betti_by_rank(simplices: list[np.ndarray]) -> list[int]:
 
 
 def gudhi_pairs(filtration) -> list[tuple[int, float, float]]:
-    """Return all pairs (dimension, birth, death) of the filtration; essential ones die at 0."""
+    """Return all pairs (dimension, birth, death) of the filtration; essential ones die at 0.
+
+    Pairs with equal birth and death are among them.
+    """
     import gudhi
 
     tree = gudhi.SimplexTree()
     for k, simplices in enumerate(filtration.simplices):
         if len(simplices):
             tree.insert_batch(simplices.T.astype(np.int32), -filtration.simplex_values(k))
-    pairs = tree.persistence(homology_coeff_field=2, persistence_dim_max=True)
-    return sorted((k, -birth, max(0.0, -death)) for k, (birth, death) in pairs if birth < death)
+    pairs = tree.persistence(homology_coeff_field=2, min_persistence=-1, persistence_dim_max=True)
+    return sorted((k, -birth, max(0.0, -death)) for k, (birth, death) in pairs)
 
 
 def gudhi_betti(hexes) -> tuple[int, int, int]:

@@ -15,7 +15,7 @@ from tusqh.meshes.facets import find_facets
 from tusqh.meshes.jacobians import corner_jacobians, element_volumes
 from tusqh.pipeline.ingest import describe_geometry
 from tusqh.topology.curves import tabulate_curves
-from tusqh.topology.persistence import pair_by_gudhi
+from tusqh.topology.pairs import tabulate_pairs
 from tusqh.topology.union_find import merge_components
 
 GOALS = {
@@ -72,7 +72,7 @@ def test_every_fact_is_computed_once(torus, goal):
         merge_components,
         tabulate_curves,
         describe_geometry,
-        pair_by_gudhi,
+        tabulate_pairs,
         CellSets.at,
     ) as calls:
         result = tusqh.mesh(torus, cells=10, **GOALS[goal])
@@ -86,7 +86,7 @@ def test_every_fact_is_computed_once(torus, goal):
     assert counts["merge_components"] <= 2
     assert counts["tabulate_curves"] == 1
     assert counts["describe_geometry"] == 0
-    assert counts["pair_by_gudhi"] == (goal == "persistence")
+    assert counts["tabulate_pairs"] == (goal == "persistence")
     n_plateaus = len(result.choice.plateaus)
     if "threshold" in GOALS[goal]:
         assert counts["at"] == 1
@@ -96,9 +96,9 @@ def test_every_fact_is_computed_once(torus, goal):
 
 def test_tables_are_computed_once_when_they_are_asked_for(torus):
     result = tusqh.mesh(torus, cells=10)
-    with Calls(describe_geometry, pair_by_gudhi, CellSets.at, merge_components) as calls:
+    with Calls(describe_geometry, tabulate_pairs, CellSets.at, merge_components) as calls:
         for name in ("defects", "diagram", "curves", "topologies"):
             assert getattr(result, name) is getattr(result, name)
-    assert calls.counts["describe_geometry"] == calls.counts["pair_by_gudhi"] == 1
+    assert calls.counts["describe_geometry"] == calls.counts["tabulate_pairs"] == 1
     assert calls.counts["at"] == len(result.topologies)
     assert calls.counts["merge_components"] == 0

@@ -1,12 +1,15 @@
 """Betti numbers at every level by three methods: union-find, gudhi, and ranks over GF(2)."""
 
+from collections import Counter
+
 import numpy as np
 import pytest
 from oracles import gudhi_pairs, simplicial_betti_by_rank
+from scipy import ndimage
 
 from tusqh.antialias.cells import CellSets
 from tusqh.grid import BackgroundGrid
-from tusqh.sampling.fractions import VolumeFractions
+from tusqh.sampling.fractions import VolumeFractions, round_fractions
 from tusqh.settings.policy import Policy
 from tusqh.topology.filtration import build_filtration
 from tusqh.topology.topology import Topology
@@ -22,6 +25,16 @@ def random_values(rng, shape):
         block = tuple(slice(0, int(rng.integers(1, n + 1))) for n in doubled)
         values[block] = rng.integers(0, 2)
     return values
+
+
+def compare_pairs(topology, reference):
+    clipped = [(k, min(birth, 1.0), min(death, 1.0)) for k, birth, death in reference]
+    expected = sorted(pair for pair in clipped if pair[1] > pair[2])
+    assert sorted(map(tuple, topology.pairs[["dimension", "birth", "death"]].values)) == expected
+    on_diagonal = Counter((k, birth) for k, birth, death in clipped if birth == death)
+    found = topology.diagonal
+    keys = zip(found["dimension"], found["birth"], strict=True)
+    assert dict(zip(keys, found["pairs"], strict=True)) == on_diagonal
 
 
 def compare_everything(values):
@@ -43,11 +56,7 @@ def compare_everything(values):
         assert [row.betti_0, row.betti_1, row.betti_2] == by_rank == by_gudhi
         assert row.euler == row.betti_0 - row.betti_1 + row.betti_2
         assert list(topology.betti_at((row.lower + row.upper) / 2)) == by_rank
-    clipped = [(k, min(birth, 1.0), min(death, 1.0)) for k, birth, death in reference]
-    last = values.ndim - 1
-    expected = sorted(p for p in clipped if p[0] in (0, last) and p[1] > p[2])
-    outer = topology.outer_pairs
-    assert sorted(map(tuple, outer[["dimension", "birth", "death"]].values)) == expected
+    compare_pairs(topology, reference)
 
 
 @pytest.mark.parametrize("seed", range(50))
@@ -62,6 +71,18 @@ def test_in_space(seed):
     rng = np.random.default_rng(1000 + seed)
     for _ in range(4):
         compare_everything(random_values(rng, tuple(rng.integers(1, 5, 3))))
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_pairs_of_larger_fields_in_space(seed):
+    """Smooth fields with many ties, and white noise with none, in which loops are long."""
+    rng = np.random.default_rng(3000 + seed)
+    values = rng.random(tuple(2 * rng.integers(4, 7, 3) + 1))
+    if seed % 2:
+        values = ndimage.gaussian_filter(values, 2.0, mode="constant")
+        values = np.floor(values / values.max() * 8) / 8
+    values = round_fractions(values)
+    compare_pairs(Topology.from_fractions(values), gudhi_pairs(build_filtration(values)))
 
 
 @pytest.mark.parametrize("seed", range(20))

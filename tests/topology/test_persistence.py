@@ -9,7 +9,6 @@ from tusqh.topology.filtration import clamp_values
 from tusqh.topology.persistence import (
     count_alive,
     locate_pairs,
-    paired_dimensions,
     require_agreement,
 )
 from tusqh.topology.topology import Topology
@@ -80,27 +79,12 @@ def test_located_pairs_name_the_place_as_it_is_on_the_map():
     assert np.allclose(of_cells["birth_x"], of_cells["birth_i"].astype(float) + 0.5)
 
 
-def test_large_grids_have_the_outer_pairs_only():
-    rng = np.random.default_rng(6)
-    values = rng.integers(0, 9, (7, 9, 5)) / 8
-    everything = Topology.from_fractions(values).pairs
-    topology = Topology.from_fractions(values, n_cells=1)
-    outer = topology.pairs
-    assert paired_dimensions(values.shape) == (0, 1, 2)
-    assert paired_dimensions(values.shape, n_cells=1) == (0, 2)
-    assert 1 in set(everything["dimension"])
-    columns = ["dimension", "birth", "death"]
-    expected = everything.loc[everything["dimension"] != 1, columns]
-    assert sorted(map(tuple, outer[columns].values)) == sorted(map(tuple, expected.values))
-    topology.require_agreement(name="large")
-
-
 def test_a_disagreement_between_the_two_roads_is_never_silent():
     values = np.random.default_rng(7).integers(0, 9, (9, 9)) / 8
     topology = Topology.from_fractions(values)
     topology.require_agreement(name="plane")
     with pytest.raises(TopologyError, match="persistence pairs give Betti numbers"):
-        require_agreement(topology.pairs.iloc[1:], topology.curves, (0, 1), name="plane")
+        require_agreement(topology.pairs.iloc[1:], topology.curves, name="plane")
 
 
 def test_no_pairs_count_as_nothing():

@@ -50,7 +50,7 @@ class Persistence:
         Raises
         ------
         TopologyError
-            Pairs and curves differ, which is a fault of tusqh or gudhi, never of the geometry.
+            Pairs and curves differ, which is a fault of tusqh, never of the geometry.
         """
         self.topology.require_agreement(name=self.name)
         return locate_pairs(self.topology.pairs, self.grid)

@@ -12,11 +12,7 @@ from tusqh.settings.policy import Policy
 from tusqh.threshold.by_volume import choose_by_volume
 from tusqh.threshold.candidates import CHOSEN, DISAGREES, list_plateaus, rank_candidates, try_cells
 from tusqh.threshold.describe_choice import describe_choice
-from tusqh.threshold.errors import (
-    grid_too_large_for_persistence,
-    no_threshold_alone,
-    unreachable_persistence,
-)
+from tusqh.threshold.errors import no_threshold_alone, unreachable_persistence
 from tusqh.threshold.first_verified import find_first_verified
 from tusqh.threshold.plateaus import BETTI, Plateaus
 from tusqh.threshold.selection import Selection
@@ -55,12 +51,9 @@ def choose_by_persistence(
     Raises
     ------
     TopologyError
-        Neither way succeeds, the grid is too large to know the persistence of holes, or the volume
-        is to be matched and no threshold alone suffices.
+        Neither way succeeds, or the volume is to be matched and no threshold alone suffices.
     """
     topology = plateaus.cell_sets.topology
-    if 1 not in topology.dimensions:
-        raise grid_too_large_for_persistence(name)
     wanted = f"only features with persistence >= {persistence:g}"
     is_short = topology.pairs["persistence"] < persistence
     thresholds = plateaus.table["threshold"].to_numpy()

@@ -10,7 +10,6 @@ from tusqh.errors import TopologyError
 from tusqh.settings.goal import Target
 from tusqh.threshold.goals import distances
 from tusqh.threshold.plateaus import list_intervals, list_reachable, merge_intervals
-from tusqh.topology.persistence import DIAGRAM_CELLS
 
 #: Largest number of intervals that are listed if a target is not reached.
 NEAREST = 10
@@ -63,22 +62,6 @@ def unreachable_persistence(predicted: pd.DataFrame, wanted: str, name: str) -> 
         expected="features that can be told apart by their persistence",
         remedy="lower `persistence`, or ask for Betti numbers with `target`:\n"
         + list_reachable(predicted),
-    )
-
-
-def grid_too_large_for_persistence(name: str) -> TopologyError:
-    """Return the error for a 3D grid on which the persistence of holes is unknown.
-
-    Parameters
-    ----------
-    name
-        The model.
-    """
-    return TopologyError(
-        "`persistence` on a 3D grid of that many cells",
-        where=name,
-        expected=f"at most {DIAGRAM_CELLS} cells, for which the persistence of holes is known",
-        remedy="use a coarser grid, or ask for Betti numbers with `target`",
     )
 
 

@@ -57,46 +57,6 @@ def tabulate_curves(nodes: Multiples, kept: Merges, empty: Merges) -> pd.DataFra
     )
 
 
-def outer_pairs(nodes: Multiples, kept: Merges, empty: Merges) -> pd.DataFrame:
-    """Return the persistence pairs of the lowest and the highest dimension, from union-find.
-
-    Parameters
-    ----------
-    nodes, kept, empty
-        See `tabulate_curves`.
-
-    Returns
-    -------
-    pairs
-        See `tusqh.topology.topology.Topology.pairs`; in 3D the pairs of dimension 1 are missing.
-    """
-    is_enclosed = empty.death > 0  # A component that never merges in the complement is outside.
-    tables = [
-        _to_table(0, kept),
-        _to_table(
-            nodes.ndim - 1,
-            # A class exists from the multiple at which its void is cut off until it is filled.
-            Merges(
-                birth=FULL + 1 - empty.death[is_enclosed],
-                death=FULL + 1 - empty.birth[is_enclosed],
-                birth_place=empty.death_place[is_enclosed],
-                death_place=empty.birth_place[is_enclosed],
-            ),
-        ),
-    ]
-    pairs = pd.concat(tables, ignore_index=True)
-    shape = tuple(n - 2 * MARGIN for n in nodes.shape)
-    for event in ("birth", "death"):
-        place = (
-            np.array(np.unravel_index(np.maximum(pairs[f"{event}_place"], 0), nodes.shape)) - MARGIN
-        )
-        inner = np.ravel_multi_index(tuple(np.maximum(place, 0)), shape)
-        pairs[f"{event}_place"] = np.where(pairs[f"{event}_place"] < 0, -1, inner)
-    pairs.loc[pairs["essential"], "death_place"] = -1
-    order = ["dimension", "persistence", "birth", "birth_place"]
-    return pairs.sort_values(order, ascending=[True, False, False, True]).reset_index(drop=True)
-
-
 def persistence_by_cell(
     nodes: Multiples, kept: Merges, empty: Merges
 ) -> tuple[FloatArray, FloatArray]:
@@ -136,20 +96,6 @@ def persistence_by_cell(
         lives[tuple(places[:, is_inside])] = lived[is_inside]
         found.append(lives * RESOLUTION)
     return found[0], found[1]
-
-
-def _to_table(dimension: int, merges: Merges) -> pd.DataFrame:
-    return pd.DataFrame(
-        {
-            "dimension": dimension,
-            "birth": merges.birth * RESOLUTION,
-            "death": merges.death * RESOLUTION,
-            "persistence": (merges.birth - merges.death) * RESOLUTION,
-            "essential": merges.death == 0,
-            "birth_place": merges.birth_place,
-            "death_place": merges.death_place,
-        }
-    )
 
 
 def _levels(nodes: Multiples) -> IntArray:

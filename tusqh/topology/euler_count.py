@@ -1,4 +1,4 @@
-"""Compute the Euler characteristic of the filtration at every level by counting simplices.
+"""Count the simplices of the filtration at every level, and their Euler characteristic.
 
 Every simplex of the complex has a place of lowest dimension on the doubled grid: the cell for a
 single cell, the face for a pair of cells, or the edge or vertex that is its lowest node.
@@ -38,16 +38,13 @@ class _Stars(NamedTuple):
         The star of parity ``p`` (bit 0 for x) has the rows ``start[p] <= row < start[p + 1]``.
     nodes
         Offsets to the nodes of each simplex, shape (n, 4, 3); nodes are repeated to make four.
-    sign
-        -1 to the power of the dimension of each simplex, shape (n,).
-    total
-        Sum of the signs of each star, shape (8,).
+    dimension
+        Dimension of each simplex, shape (n,).
     """
 
     start: IntArray
     nodes: IntArray
-    sign: IntArray
-    total: IntArray
+    dimension: IntArray
 
 
 def count_euler(nodes: Multiples) -> IntArray:
@@ -73,21 +70,55 @@ def count_euler(nodes: Multiples) -> IntArray:
     >>> int(count_euler(clamp_multiples(multiples))[FULL])
     1
     """
-    change = np.zeros(FULL + 1, dtype=np.int64)
+    stars = _stars()
+    sign = 1 - 2 * (stars.dimension % 2)
+    return np.asarray(_count_stars(nodes, np.zeros_like(sign), sign)[0])
+
+
+def count_simplices(nodes: Multiples) -> IntArray:
+    """Return the number of simplices of each dimension that appear at each level.
+
+    Parameters
+    ----------
+    nodes
+        Multiples of all nodes, see `tusqh.topology.clamping.clamp_multiples`.
+
+    Returns
+    -------
+    numbers
+        Shape (4, `FULL` + 1); those of level 0 never appear.
+
+    Examples
+    --------
+    >>> from tusqh.topology.clamping import clamp_multiples
+    >>> multiples = np.zeros((5, 3), dtype=np.int32)
+    >>> multiples[1::2, 1] = FULL
+    >>> count_simplices(clamp_multiples(multiples))[:, FULL].tolist()
+    [2, 1, 0, 0]
+    """
+    stars = _stars()
+    return _count_stars(nodes, stars.dimension, np.ones_like(stars.dimension))
+
+
+def _count_stars(nodes: Multiples, row: IntArray, number: IntArray) -> IntArray:
+    """Add, at the level of each simplex, its number to its row of a table."""
+    table = np.zeros((int(row.max()) + 1, FULL + 1), dtype=np.int64)
     layer, stars = as_layer(nodes), _stars()
     stride = [layer.shape[1] * layer.shape[2], layer.shape[2], 1]
-    _count(layer, layer.ravel(), stars.start, stars.nodes @ stride, stars.sign, stars.total, change)
-    return change
+    total = np.zeros((8, len(table)), dtype=np.int64)
+    np.add.at(total, (np.repeat(np.arange(8), np.diff(stars.start)), row), number)
+    _count(layer, layer.ravel(), stars.start, stars.nodes @ stride, row, number, total, table)
+    return table
 
 
 @cache
 def _stars() -> _Stars:
     simplices = [_star((p & 1, p >> 1 & 1, p >> 2)) for p in range(8)]
     rows = [s for star in simplices for s in star]
-    sign = np.array([1 if len(s) % 2 else -1 for s in rows], dtype=np.int64)
+    dimension = np.array([len(s) - 1 for s in rows], dtype=np.int64)
     start = np.cumsum([0, *map(len, simplices)])
     nodes = np.array([(s * 4)[:4] for s in rows], dtype=np.int64)
-    return _Stars(start, nodes, sign, np.add.reduceat(sign, start[:-1]))
+    return _Stars(start, nodes, dimension)
 
 
 def _star(parity: Offset) -> list[tuple[Offset, ...]]:
@@ -117,7 +148,7 @@ def _touch(edge: Offset, cell: Offset) -> bool:
 
 
 @numba.njit(cache=True)
-def _count(nodes, flat, start, steps, sign, total, change):  # type: ignore[no-untyped-def]
+def _count(nodes, flat, start, steps, row, number, total, table):  # type: ignore[no-untyped-def]
     n_x, n_y, n_z = nodes.shape
     for i in range(1, n_x - 1):
         for j in range(1, n_y - 1):
@@ -130,7 +161,8 @@ def _count(nodes, flat, start, steps, sign, total, change):  # type: ignore[no-u
                             low, high = min(low, nodes[x, y, z]), max(high, nodes[x, y, z])
                 parity = odd_i + 2 * odd_j + 4 * odd_k
                 if low == high:  # All nodes have this multiple, so the whole star appears at once.
-                    change[low] += total[parity]
+                    for d in range(len(table)):
+                        table[d, low] += total[parity, d]
                     continue
                 place = (i * n_y + j) * n_z + k
                 for s in range(start[parity], start[parity + 1]):
@@ -140,4 +172,4 @@ def _count(nodes, flat, start, steps, sign, total, change):  # type: ignore[no-u
                         flat[place + steps[s, 2]],
                         flat[place + steps[s, 3]],
                     )
-                    change[level] += sign[s]
+                    table[row[s], level] += number[s]

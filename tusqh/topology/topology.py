@@ -12,30 +12,23 @@ from tusqh.grid import FloatArray
 from tusqh.sampling.doubled_grid import RESOLUTION, Multiples
 from tusqh.topology.betti_numbers import BettiNumbers
 from tusqh.topology.clamping import clamp_multiples, complement
-from tusqh.topology.curves import outer_pairs, persistence_by_cell, tabulate_curves
-from tusqh.topology.persistence import (
-    DIAGRAM_CELLS,
-    betti_at,
-    pair_by_gudhi,
-    paired_dimensions,
-    require_agreement,
-)
+from tusqh.topology.curves import persistence_by_cell, tabulate_curves
+from tusqh.topology.pairs import count_on_diagonal, tabulate_pairs
+from tusqh.topology.persistence import betti_at, require_agreement
 from tusqh.topology.union_find import Merges, merge_components
 
 
 class Topology:
     """The topology of the filtration; each property is computed once, when first needed.
 
-    Two passes of union-find give everything except the pairs of dimension 1 in 3D and the pairs in
-    2D, which gudhi finds.
+    Two passes of union-find give everything except the pairs of dimension 1 in 3D, which
+    `tusqh.topology.loops` finds.
 
     Parameters
     ----------
     multiples
         Fractions on the doubled grid as multiples of `RESOLUTION`, shape ``2 n + 1``, int32;
         they are clamped to the range from 0 to 1 / `RESOLUTION`.
-    n_cells
-        A 3D grid of more cells has no pairs of dimension 1 (the curves still count the classes).
 
     Examples
     --------
@@ -53,22 +46,19 @@ class Topology:
            [ 0.  ,  0.75,  0.5 , 12.  ]])
     """
 
-    def __init__(self, multiples: Multiples, *, n_cells: int = DIAGRAM_CELLS) -> None:
+    def __init__(self, multiples: Multiples) -> None:
         self.multiples = multiples
-        self.dimensions = paired_dimensions(multiples.shape, n_cells=n_cells)
 
     @classmethod
-    def from_fractions(cls, fractions: FloatArray, *, n_cells: int = DIAGRAM_CELLS) -> Self:
+    def from_fractions(cls, fractions: FloatArray) -> Self:
         """Return the topology of fractions on the doubled grid, rounded to `RESOLUTION`.
 
         Parameters
         ----------
         fractions
             Shape ``2 n + 1``, dimensionless.
-        n_cells
-            See `Topology`.
         """
-        return cls(np.rint(fractions / RESOLUTION).astype(np.int32), n_cells=n_cells)
+        return cls(np.rint(fractions / RESOLUTION).astype(np.int32))
 
     @classmethod
     def from_tables(cls, multiples: Multiples, curves: pd.DataFrame, pairs: pd.DataFrame) -> Self:
@@ -100,29 +90,12 @@ class Topology:
         `birth_place` and `death_place`, the flat indices into the doubled grid of the cells, edges
         or vertices that create and destroy the class (-1 if nothing does).
         """
-        return self.all_pairs[self.all_pairs["persistence"] > 0].reset_index(drop=True)
-
-    @cached_property
-    def all_pairs(self) -> pd.DataFrame:
-        """The pairs, including those from gudhi with equal birth and death."""
-        if self.multiples.ndim == 2:
-            return pair_by_gudhi(self.multiples)
-        if 1 not in self.dimensions:
-            return self.outer_pairs
-        voids = self.outer_pairs[self.outer_pairs["dimension"] == 2]
-        return pd.concat([pair_by_gudhi(self.multiples), voids]).reset_index(drop=True)
-
-    @cached_property
-    def outer_pairs(self) -> pd.DataFrame:
-        """Pairs of the lowest and the highest dimension, from union-find alone."""
-        return outer_pairs(self._nodes, self._kept, self._empty)
+        return tabulate_pairs(self._nodes, self._kept, self._empty)
 
     @cached_property
     def diagonal(self) -> pd.DataFrame:
         """Number of pairs with persistence 0, by `dimension` and `birth`."""
-        pairs = self.all_pairs
-        numbers = pairs[pairs["persistence"] == 0].groupby(["dimension", "birth"]).size()
-        return numbers.reset_index(name="pairs")
+        return count_on_diagonal(self._nodes, self.pairs)
 
     @cached_property
     def persistence_by_cell(self) -> tuple[FloatArray, FloatArray]:
@@ -153,9 +126,9 @@ class Topology:
         Raises
         ------
         TopologyError
-            They differ at a threshold, which is a fault of tusqh or gudhi.
+            They differ at a threshold, which is a fault of tusqh.
         """
-        require_agreement(self.pairs, self.curves, self.dimensions, name=name)
+        require_agreement(self.pairs, self.curves, name=name)
 
     @cached_property
     def _nodes(self) -> Multiples:
