@@ -74,6 +74,8 @@ def recorded(snakemake: Any) -> Iterator[logging.Logger]:
         **_git_state(),
         "seconds": round(done - clock, 3),
         "seconds_of_recording": round(time.perf_counter() - done, 3),
+        # Of the whole process, with its imports and the processes that it started.
+        "processor_seconds": round(sum(os.times()[:4]), 3),
     }
     write_text(Path(snakemake.output.record), canonical_json(what))
     write_text(Path(snakemake.output.record_how), canonical_json(how))
