@@ -55,6 +55,10 @@ def test_numbers_on_the_command_line_of_snakemake_are_numbers(tmp_path):
     ("given", "parts"),
     [
         ({"study": {"seconds": "0"}}, ["from --config: study.seconds: found 0", "at least 1"]),
+        (
+            {"study": {"peers": ["b"]}},
+            ["from --config: study.peers: unknown model 'b'", "expected: one of a"],
+        ),
         ({"study": {"second": "9"}}, ["from --config: study.second", "did you mean 'seconds'?"]),
         (
             {"models": {"a": {"threshold": "0.5"}}},

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import pandas as pd
 import typer
 
 from tusqh.cli.show import report_error, show
@@ -110,7 +109,7 @@ def read_wish(text: str) -> Material:
 def _show(found: MaterialsResult, outputs: Sequence[Path]) -> None:
     """Print a row for every material and for every pair that meets, overlaps or has a gap."""
     table = found.materials
-    rows = pd.DataFrame({name: table[name] for name in ("material", "elements", "volume")})
+    rows = table[["material", "elements", "volume"]].copy()
     for how in ("predicted", "measured"):
         betti = table[[f"betti_{k}_{how}" for k in range(3)]].to_numpy().tolist()
         rows[how] = [str(tuple(row)) for row in betti]

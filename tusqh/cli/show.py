@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import pandas as pd
 from rich.console import Console
 from rich.table import Table
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Width of output that is not a terminal, in columns; no line is longer, so no line is wrapped.
 _UNLIMITED = 100_000

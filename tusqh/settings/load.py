@@ -12,7 +12,7 @@ import yaml
 from tusqh.errors import ConfigError
 from tusqh.settings.model import Workflow
 from tusqh.settings.schema import schema_of
-from tusqh.settings.validate import Locate, from_text, refuse
+from tusqh.settings.validate import Locate, from_text, refuse, refuse_unknown
 from tusqh.settings.validate import Path as Keys
 
 #: Name, in messages, of Snakemake's option for single values.
@@ -108,6 +108,10 @@ def load_config(
     _require_values(config, locate)
     workflow = Workflow.from_dict(config, locate=locate)
     _require_distinct_names(workflow.models, locate)
+    for name in workflow.study.peers or ():
+        if name not in workflow.models:
+            models = list(workflow.models)
+            raise refuse_unknown(locate(("study", "peers")), name, models, kind="model")
     return workflow
 
 

@@ -92,7 +92,7 @@ class Study(Section):
     """The extent of the studies of the models."""
 
     placements: int = setting(
-        "Random orientations and offsets of every model.", default=50, at_least=2
+        "Random orientations and offsets of every model.", default=20, at_least=2
     )
     cells_2d: tuple[int, ...] = setting(
         "Cells along the longest side of the grids laid over 2D models; the largest is a "
@@ -103,6 +103,12 @@ class Study(Section):
     )
     cells_3d: tuple[int, ...] = setting(
         "The same for 3D models.", default=(16, 32), at_least=1, is_distinct=True
+    )
+    peers: tuple[str, ...] | None = setting(
+        "3D models that other programs mesh too, for the table of peers.",
+        otherwise="all 3D models",
+        default=None,
+        is_distinct=True,
     )
     seconds: int = setting(
         "Processor time after which a program that Tusqh is compared with counts as not finished.",

@@ -65,6 +65,9 @@ DIMENSION = {name: dimension_of(geometry) for name, geometry in GEOMETRY.items()
 SOLIDS = [name for name, dimension in DIMENSION.items() if dimension == 3]
 SWEEP = {2: list(SETTINGS.sweep), 3: list(SETTINGS.sweep_3d)}
 STUDY = SETTINGS.study.to_dict()
+COMPARED = SOLIDS if SETTINGS.study.peers is None else list(SETTINGS.study.peers)
+if not set(COMPARED) <= set(SOLIDS):
+    raise WorkflowError(f"study.peers: found {', '.join(COMPARED)}, expected 3D models: {', '.join(SOLIDS)}")
 SNAPSHOTS = sorted(SETTINGS.snapshots)
 
 wildcard_constraints:

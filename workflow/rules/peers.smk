@@ -18,8 +18,8 @@ rule peer:
 
 rule peers:
     input:
-        rows=expand("results/{model}/peers/{peer}.csv", model=SOLIDS, peer=PEERS),
-        timings=expand("results/{model}/peers/{peer}_timing.csv", model=SOLIDS, peer=PEERS),
+        rows=expand("results/{model}/peers/{peer}.csv", model=COMPARED, peer=PEERS),
+        timings=expand("results/{model}/peers/{peer}_timing.csv", model=COMPARED, peer=PEERS),
     output:
         table=report("results/tables/peers.csv", "../report/peers.rst", category="Tables"),
         summary=report("results/tables/peers_summary.csv", "../report/peers.rst", category="Tables"),
