@@ -19,36 +19,15 @@ from tusqh.contacts.spatial import decide_sticks
 from tusqh.contacts.spatial_votes import LAYERS
 from tusqh.contacts.voxel_fractions import fractions_of_labels
 from tusqh.errors import TopologyError
-from tusqh.grid import FloatArray, IntArray
-from tusqh.meshes.facets import find_facets
+from tusqh.grid import IntArray
 from tusqh.meshes.formats import write_mesh
-from tusqh.meshes.manifold import find_non_manifold_points
-from tusqh.meshes.measure import Measurement
+from tusqh.meshes.interfaces import Interface, find_interfaces
+from tusqh.meshes.measure_regions import RegionMeasurement, measure_regions
 from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.topology.betti_numbers import BettiNumbers
 
-__all__ = ["Interface", "MaterialMesh", "mesh_materials"]
-
-
-@dataclass(frozen=True)
-class Interface:
-    """The facets between two materials.
-
-    Parameters
-    ----------
-    first, second
-        The materials; ``second`` is the void on the boundary of the mesh.
-    facets
-        Corners of the facets, with normals from first to second, shape (r, 2**(dim - 1)).
-    elements
-        The element of the first material at each facet, shape (r,).
-    """
-
-    first: str
-    second: str
-    facets: IntArray
-    elements: IntArray
+__all__ = ["MaterialMesh", "mesh_materials"]
 
 
 @dataclass(frozen=True)
@@ -103,35 +82,37 @@ class MaterialMesh:
         write_mesh(path, self.mesh, Regions(self.names, self.material))
 
     @cached_property
-    def measured(self) -> dict[str, Measurement]:
+    def measured(self) -> dict[str, RegionMeasurement]:
         """The measurement of every material that has elements."""
-        present = np.unique(self.material)
-        return {self.names[k]: self.part(self.names[k]).measurement for k in present}
+        regions = measure_regions(self.mesh, self.material, len(self.names))
+        return {n: found for n, found in zip(self.names, regions, strict=True) if found.n_cells}
 
     @cached_property
-    def measured_solid(self) -> Measurement:
+    def measured_solid(self) -> RegionMeasurement:
         """The measurement of all materials together without the void."""
         solid = np.flatnonzero(self.material != len(self.names) - 1)
         if len(solid) == len(self.material):
-            return self.mesh.measurement
-        return _take(self.mesh, solid, self.mesh.name).measurement
+            return RegionMeasurement.of(self.mesh.measurement)
+        return RegionMeasurement.of(_take(self.mesh, solid, self.mesh.name).measurement)
 
     @property
     def is_as_predicted(self) -> bool:
         """Whether every material and the solid are sound and have the predicted Betti numbers."""
-        pairs = [(m, self.predicted[name]) for name, m in self.measured.items()]
-        pairs.append((self.measured_solid, self.predicted_solid))
-        # Check all elements once, and for each material only what depends on its set of elements.
-        return self.mesh.measurement.is_sound and all(
-            len(find_non_manifold_points(measured.mesh.facets)) == 0
-            and measured.has_topology(predicted)
-            for measured, predicted in pairs
+        solid = self.measured_solid
+        return (
+            self.mesh.measurement.is_sound
+            and solid.n_non_manifold == 0
+            and solid.has_topology(self.predicted_solid)
+            and all(
+                found.n_non_manifold == 0 and found.has_topology(self.predicted[name])
+                for name, found in self.measured.items()
+            )
         )
 
     @cached_property
     def interfaces(self) -> dict[tuple[str, str], Interface]:
         """The facets between every two materials, including the void."""
-        return _find_interfaces(self)
+        return find_interfaces(self.mesh, self.material, self.names)
 
 
 def mesh_materials(
@@ -260,46 +241,3 @@ def _take(mesh: VolumeMesh, chosen: IntArray, name: str) -> VolumeMesh:
         grid_cell=mesh.grid_cell[chosen],
         name=name,
     )
-
-
-def _find_interfaces(found: MaterialMesh) -> dict[tuple[str, str], Interface]:
-    """Return the facets between every two materials, sorted by pair."""
-    facets = find_facets(found.mesh.cells)
-    order = np.argsort(facets.unique, kind="stable")
-    sorted_unique = facets.unique[order]
-    is_pair = np.append(sorted_unique[1:] == sorted_unique[:-1], False)
-    partner = np.full(len(order), -1, dtype=np.int64)
-    partner[order[is_pair]] = facets.cell[order[np.flatnonzero(is_pair) + 1]]
-    partner[order[np.flatnonzero(is_pair) + 1]] = facets.cell[order[is_pair]]
-    own = found.material[facets.cell]
-    void = len(found.names) - 1
-    other = np.where(partner >= 0, found.material[partner], void)
-    rows = np.flatnonzero(own != other)
-    key = own[rows] * len(found.names) + other[rows]
-    rows, key = rows[np.argsort(key, kind="stable")], np.sort(key)
-    interfaces = {}
-    for group in np.split(np.arange(len(rows)), np.flatnonzero(np.diff(key)) + 1):
-        if len(group):
-            a, b = divmod(int(key[group[0]]), len(found.names))
-            pair = (found.names[a], found.names[b])
-            mine = rows[group]
-            interfaces[pair] = Interface(*pair, facets.corners[mine], facets.cell[mine])
-    return interfaces
-
-
-def facet_areas(points: FloatArray, facets: IntArray) -> FloatArray:
-    """Return the length of sides or the area of faces (of their two triangles), shape (r,).
-
-    Parameters
-    ----------
-    points
-        Coordinates, shape (n, dim), in the units of the model.
-    facets
-        Corners, shape (r, 2**(dim - 1)).
-    """
-    corners = points[facets]
-    if facets.shape[1] == 2:
-        return np.asarray(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1))
-    first = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    second = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 0])
-    return np.asarray((np.linalg.norm(first, axis=1) + np.linalg.norm(second, axis=1)) / 2)

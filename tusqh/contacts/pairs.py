@@ -7,8 +7,9 @@ import numpy as np
 import pandas as pd
 
 from tusqh.contacts.material_fractions import MaterialFractions
-from tusqh.contacts.mesh import MaterialMesh, facet_areas
+from tusqh.contacts.mesh import MaterialMesh
 from tusqh.grid import FloatArray, IntArray, doubled
+from tusqh.meshes.interfaces import facet_areas
 from tusqh.sampling.doubled_grid import RESOLUTION
 
 #: Columns of `tabulate_pairs`.

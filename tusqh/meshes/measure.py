@@ -67,11 +67,6 @@ class Measurement:
         """Number of boundary points at which the boundary is not a manifold."""
         return len(find_non_manifold_points(self.mesh.facets))
 
-    @property
-    def n_cells(self) -> int:
-        """Number of elements."""
-        return self.mesh.n_cells
-
     @cached_property
     def smallest_scaled_jacobian(self) -> float:
         """The smallest scaled Jacobian of all corners; 1 for a mesh without elements."""
