@@ -9,6 +9,7 @@ import pytest
 from tusqh.contacts import MaterialFractions, fractions_of_labels, mesh_materials
 from tusqh.errors import SamplingError, TopologyError
 from tusqh.grid import BackgroundGrid
+from tusqh.meshes.export import read_regions
 from tusqh.meshes.jacobians import element_volumes
 
 FULL = 2**20
@@ -35,6 +36,9 @@ def test_vtu_and_gmsh(found, tmp_path):
     read = meshio.read(tmp_path / "a.vtu")
     (material,) = read.cell_data["material"]
     cells = read.cells[0].data
+    regions = read_regions(tmp_path / "a.vtu")
+    assert regions.names == found.names
+    assert np.array_equal(regions.material, found.material)
     by_vtu = [volume(read.points, cells[material == k]) for k in (1, 2, 3)]
     assert np.allclose(by_vtu, expected)
     found.write(tmp_path / "a.msh")
@@ -42,6 +46,11 @@ def test_vtu_and_gmsh(found, tmp_path):
     dim = found.mesh.dim
     numbers = {n: k for n, (k, d) in read.field_data.items() if d == dim}
     assert list(numbers) == ["bone", "2", "outer_shell"]
+    kinds = {n: k for n, (k, d) in read.field_data.items() if d == dim - 1}
+    sides = read.get_cell_data("gmsh:physical", "line" if dim == 2 else "quad")
+    for a, b, name in (("bone", "2", "bone|2"), ("2", "outer shell", "2|outer_shell")):
+        assert (sides == kinds[name]).sum() == len(found.interfaces[a, b].facets)
+    assert "2|bone" not in kinds
     kind = "quad" if dim == 2 else "hexahedron"
     groups = read.get_cell_data("gmsh:physical", kind)
     cells = read.get_cells_type(kind)
@@ -56,6 +65,10 @@ def test_mfem_and_exodus(found, tmp_path):
     read = mfem.Mesh(str(tmp_path / "a.mesh"))
     attributes = np.array([read.GetAttribute(i) for i in range(read.GetNE())])
     assert attributes.tolist() == (found.material + 1).tolist()
+    text = (tmp_path / "a.mesh").read_text()
+    number = int(text.split(" bone|2: facets of bone that face 2")[0].rpartition("# ")[2])
+    sides = [read.GetBdrAttribute(i) for i in range(read.GetNBE())]
+    assert sides.count(number) == len(found.interfaces["bone", "2"].facets)
     found.write(tmp_path / "a.exo")
     with netCDF4.Dataset(tmp_path / "a.exo") as file:
         assert file["eb_prop1"][:].tolist() == [1, 2, 3]
@@ -64,17 +77,53 @@ def test_mfem_and_exodus(found, tmp_path):
         points = np.asarray(file["coord"][:]).T
         blocks = [np.asarray(file[f"connect{k}"][:]) - 1 for k in (1, 2, 3)]
         assert np.allclose([volume(points, block) for block in blocks], expected)
-        # The sides of the boundary belong to the elements as they are numbered here.
-        cells = np.concatenate(blocks)
-        boundary = {frozenset(row) for row in found.mesh.boundary.corners.tolist()}
-        for k in range(1, len(file.dimensions["num_side_sets"]) + 1):
-            for element in np.asarray(file[f"elem_ss{k}"][:]) - 1:
-                assert any(corners <= set(cells[element].tolist()) for corners in boundary)
+        check_sets(file, found, np.concatenate(blocks), points)
+
+
+def check_sets(file, found, cells, points):
+    """Compare side sets with the boundary and the interfaces, and node sets with the points."""
+    names = [bytes(row.compressed()).rstrip(b"\0").decode() for row in file["ss_names"][:]]
+    pairs = [name for name in names if "|" in name]
+    plain = dict(zip(found.names, ("bone", "2", "outer_shell", "void"), strict=True))
+    assert pairs == [f"{plain[a]}|{plain[b]}" for a, b in found.interfaces]
+    by_name = dict(zip(pairs, found.interfaces.values(), strict=True))
+    boundary = {frozenset(row) for row in found.mesh.boundary.corners.tolist()}
+    for k, name in enumerate(names, start=1):
+        elements, sides = (np.asarray(file[f"{kind}_ss{k}"][:]) - 1 for kind in ("elem", "side"))
+        corners = [frozenset(row) for row in exodus_sides(cells[elements], sides).tolist()]
+        expected = boundary
+        if name in by_name:
+            expected = {frozenset(row) for row in by_name[name].facets.tolist()}
+            assert set(corners) == expected
+        assert set(corners) <= expected
+    names = [bytes(row.compressed()).rstrip(b"\0").decode() for row in file["ns_names"][:]]
+    assert "bone|2|void" in names
+    for k, name in enumerate(names, start=1):
+        own = set((np.asarray(file[f"node_ns{k}"][:]) - 1).tolist())
+        three = [next(n for n, p in plain.items() if p == x) for x in name.split("|")]
+        touching = [
+            set(np.unique(found.mesh.boundary.corners).tolist())
+            if x == "void"
+            else set(found.mesh.cells[found.material == found.names.index(x)].ravel().tolist())
+            for x in three
+        ]
+        assert own == set.intersection(*touching)
+
+
+def exodus_sides(cells, sides):
+    """Return the corners of sides as the Exodus manual numbers them."""
+    quad = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
+    hexes = [[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [0, 4, 7, 3], [0, 3, 2, 1], [4, 5, 6, 7]]
+    table = quad if cells.shape[1] == 4 else np.array(hexes)
+    return np.take_along_axis(cells, table[sides], axis=1)
 
 
 def test_abaqus(found, tmp_path):
     found.write(tmp_path / "a.inp")
     read = meshio.read(tmp_path / "a.inp")
+    text = (tmp_path / "a.inp").read_text()
+    assert "*SURFACE, TYPE=ELEMENT, NAME=2_to_bone\n" in text
+    assert "*NSET, NSET=bone_and_2_and_void\n" in text
     sizes = [len(block.data) for block in read.cells]
     assert sizes == np.bincount(found.material).tolist()
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
+from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
@@ -12,17 +13,30 @@ from tusqh.atomic import replacing
 from tusqh.errors import MeshError
 from tusqh.extras import require
 from tusqh.grid import FloatArray, IntArray
+from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import KINDS, VolumeMesh
 
 _VTK_QUAD, _VTK_HEXAHEDRON = 9, 12
 
+#: Field data of VTU files with the number of a material are called this and its name.
+NAME = "material "
+
+#: Start of the content of a VTU file.
+_HEAD = b"<UnstructuredGrid>"
+
 
 def write_vtu(
-    path: Path, mesh: VolumeMesh, *, cell_data: Mapping[str, FloatArray | IntArray] | None = None
+    path: Path,
+    mesh: VolumeMesh,
+    *,
+    cell_data: Mapping[str, FloatArray | IntArray] | None = None,
+    regions: Regions | None = None,
 ) -> None:
     """Write a mesh as binary VTU; the file appears complete or not at all.
 
     Every element carries `kind` (index into `tusqh.meshes.volume_mesh.KINDS`) and `grid_cell`.
+    With regions it carries the number of its `material`, from 1, and the field data have the number
+    of each as ``material NAME``; the last one is the void.
 
     Parameters
     ----------
@@ -32,14 +46,65 @@ def write_vtu(
         The mesh, possibly without elements.
     cell_data
         Further values, one per element.
+    regions
+        Material of every element; None: there is one.
     """
     import meshio
 
     out = mesh.to_meshio()
     for name, values in (cell_data or {}).items():
         out.cell_data[name] = [values]
+    if regions is not None:
+        out.cell_data["material"] = [regions.material + 1]
     with replacing(path) as temporary:
         meshio.vtu.write(temporary, out, binary=True)
+        if regions is not None:
+            _add_names(temporary, regions.names)
+
+
+def _add_names(path: Path, names: tuple[str, ...]) -> None:
+    """Add the number of each material as field data to a VTU file; meshio writes no field data.
+
+    An array of texts would be natural, but meshio cannot read files that have one.
+    """
+    arrays = "".join(
+        f'<DataArray type="Int64" Name={quoteattr(NAME + name)} NumberOfTuples="1" '
+        f'format="ascii">{number}</DataArray>'
+        for number, name in enumerate(names, start=1)
+    )
+    content = path.read_bytes()
+    data = f"<FieldData>{arrays}</FieldData>".encode()
+    path.write_bytes(content.replace(_HEAD, _HEAD + data, 1))
+
+
+def read_regions(path: Path) -> Regions | None:
+    """Return the materials in a VTU file that `write_vtu` wrote; None if it has none.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Raises
+    ------
+    MeshError
+        The numbers of the materials do not fit their names.
+    """
+    pyvista = require("pyvista", extra="formats")
+    grid = pyvista.read(path)
+    numbers = {key: int(grid.field_data[key][0]) for key in grid.field_data if key.startswith(NAME)}
+    if "material" not in grid.cell_data or not numbers:
+        return None
+    names = tuple(key.removeprefix(NAME) for key in sorted(numbers, key=lambda k: numbers[k]))
+    material = np.asarray(grid.cell_data["material"], dtype=np.int64) - 1
+    if material.min() < 0 or material.max() >= len(names):
+        raise MeshError(
+            f"has materials from {material.min() + 1} to {material.max() + 1}",
+            where=str(path),
+            expected=f"numbers from 1 to {len(names)}, the number of names",
+            remedy="export the mesh again",
+        )
+    return Regions(names, material)
 
 
 def read_vtu(path: Path, *, name: str | None = None) -> VolumeMesh:

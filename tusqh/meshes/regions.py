@@ -56,6 +56,28 @@ class Regions:
         """
         return cls(("solid",), np.zeros(n_elements, dtype=np.int64))
 
+    @property
+    def are_several(self) -> bool:
+        """Whether these are materials, the last of which is the void, and not a single solid."""
+        return len(self.names) > 1
+
+    @cached_property
+    def file_names(self) -> tuple[str, ...]:
+        """Names in files, which differ and consist of letters, digits and underscores.
+
+        Examples
+        --------
+        >>> Regions(("ring 1", "ring.1", "void"), np.array([0, 1])).file_names
+        ('ring_1', 'ring_1_2', 'void')
+        """
+        found: dict[str, int] = {}
+        for k, name in enumerate(self.names):
+            plain = re.sub(r"\W", "_", name) or "region"
+            while plain in found:
+                plain = f"{plain}_{k + 1}"
+            found[plain] = k
+        return tuple(found)
+
     @cached_property
     def present(self) -> list[Region]:
         """The materials that have elements.
@@ -66,10 +88,7 @@ class Regions:
         >>> [(r.number, r.name, r.elements.tolist()) for r in regions.present]
         [(1, 'ring_1', [1]), (2, 'ring_1_2', [3]), (3, 'ball', [0, 2])]
         """
-        found: list[Region] = []
-        for k in np.unique(self.material).tolist():
-            name = re.sub(r"\W", "_", self.names[k]) or "region"
-            if name in {region.name for region in found}:
-                name = f"{name}_{k + 1}"
-            found.append(Region(k + 1, name, np.flatnonzero(self.material == k)))
-        return found
+        return [
+            Region(k + 1, self.file_names[k], np.flatnonzero(self.material == k))
+            for k in np.unique(self.material).tolist()
+        ]
