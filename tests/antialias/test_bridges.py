@@ -11,7 +11,7 @@ from tusqh.antialias.resolve import build_mesh
 from tusqh.grid import BackgroundGrid
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.meshes.checks import check_mesh
-from tusqh.meshes.jacobians import corner_jacobians, element_volumes
+from tusqh.meshes.jacobians import element_volumes, smallest_jacobians
 from tusqh.meshes.volume_mesh import BRIDGE
 from tusqh.readers.files import read_file
 from tusqh.sampling.fractions import VolumeFractions, sample_fractions
@@ -56,7 +56,7 @@ def test_a_straight_path_joins_two_islands():
     # The strip is half a cell wide; its ends lose four corners and gain two trapezoids of 3/16.
     area = element_volumes(mesh.points, mesh.cells)[is_bridge].sum()
     assert area == pytest.approx(3 * 0.5 - 4 * 1 / 32 + 2 * 3 / 16)
-    scaled = corner_jacobians(mesh.points, mesh.cells)[1]
+    scaled = smallest_jacobians(mesh.points, mesh.cells)[1]
     assert scaled.min() >= np.sqrt(0.5) - 1e-12
 
 
@@ -131,7 +131,7 @@ def test_random_archipelagos(start, mode):
         plain = CellSets(fractions, Policy(bridges="none")).at(0.5)
         resolved = build(fractions, bridges=mode)
         assert betti_by_rank(resolved.mesh.cells) == resolved.cells.predicted, seed
-        scaled = corner_jacobians(resolved.mesh.points, resolved.mesh.cells)[1]
+        scaled = smallest_jacobians(resolved.mesh.points, resolved.mesh.cells)[1]
         assert scaled.min(initial=1.0) >= np.sqrt(0.5) - 1e-12, seed
         table = resolved.cells.bridge_table
         assert REJECTED not in set(table["status"]), seed

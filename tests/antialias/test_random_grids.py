@@ -12,7 +12,7 @@ from tusqh.errors import MeshError
 from tusqh.grid import BackgroundGrid
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.meshes.checks import check_mesh
-from tusqh.meshes.jacobians import corner_jacobians
+from tusqh.meshes.jacobians import smallest_jacobians
 from tusqh.topology.effective import effective_betti
 
 N_GRIDS = 2500
@@ -40,7 +40,7 @@ def test_meshes_of_random_grids(start):
         assert betti_by_rank(mesh.cells) == predicted, seed
         assert betti_by_euler(mesh) == betti_by_boundary(mesh) == predicted, seed
         assert all(check.holds for check in check_mesh(mesh)), seed
-        scaled = corner_jacobians(mesh.points, mesh.cells)[1]
+        scaled = smallest_jacobians(mesh.points, mesh.cells)[1]
         assert scaled.min(initial=1.0) >= np.sqrt(0.5) - 1e-12, seed
         assert rounds == 0, seed
 

@@ -12,7 +12,7 @@ from tusqh.antialias.resolve import build_mesh, resolve
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.meshes.checks import check_mesh
 from tusqh.meshes.facets import find_facets
-from tusqh.meshes.jacobians import corner_jacobians, element_volumes
+from tusqh.meshes.jacobians import element_volumes, smallest_jacobians
 from tusqh.pipeline.ingest import describe_geometry
 from tusqh.topology.curves import tabulate_curves
 from tusqh.topology.pairs import tabulate_pairs
@@ -67,7 +67,7 @@ def test_every_fact_is_computed_once(torus, goal):
         check_mesh,
         betti_by_euler,
         betti_by_boundary,
-        corner_jacobians,
+        smallest_jacobians,
         element_volumes,
         merge_components,
         tabulate_curves,
@@ -81,7 +81,7 @@ def test_every_fact_is_computed_once(torus, goal):
     n_meshes = len(result.choice.candidates) if goal == "volume" else 1
     for name in ("build_mesh", "resolve", "check_mesh", "betti_by_euler", "betti_by_boundary"):
         assert counts[name] == n_meshes, name
-    for name in ("corner_jacobians", "element_volumes"):
+    for name in ("smallest_jacobians", "element_volumes"):
         assert counts[name] == n_meshes, name
     assert counts["merge_components"] <= 2
     assert counts["tabulate_curves"] == 1

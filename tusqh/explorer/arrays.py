@@ -196,7 +196,7 @@ def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid) -> Arrays:
         if n > CUT_ELEMENTS:
             shown = np.setdiff1d(shown, np.flatnonzero(is_inner))
         corners, first, second = corners[shown], first[shown], second[shown]
-    quality = mesh.jacobians.scaled.min(axis=1)
+    quality = mesh.jacobians.scaled
     arrays = {
         "points": points.astype(np.float32),
         "corners": np.column_stack([_steps(corners[:, 0]), corners[:, 1:] - corners[:, :1]]),

@@ -2,39 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-
-from tusqh.grid import IntArray
 from tusqh.meshes.element_mesh import ElementMesh
-from tusqh.meshes.facets import Facets, count_edges
+from tusqh.meshes.facets import count_edges
+from tusqh.meshes.numbering import count_components, count_components_by_parts, count_used
 from tusqh.topology.betti_numbers import BettiNumbers
-
-
-def count_components(groups: IntArray) -> int:
-    """Return the number of components of rows; rows that share an entry are joined.
-
-    Parameters
-    ----------
-    groups
-        Non-negative indices, shape (n, k); the entries of a row belong to one component.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> count_components(np.array([[0, 1], [1, 2], [7, 8]]))
-    2
-    """
-    if len(groups) == 0:
-        return 0
-    is_used = np.zeros(int(groups.max()) + 1, dtype=bool)
-    is_used[groups.ravel()] = True
-    n = len(is_used)
-    first = np.repeat(groups[:, 0], groups.shape[1] - 1)
-    graph = coo_array((np.ones(len(first), dtype=bool), (first, groups[:, 1:].ravel())), (n, n))
-    n_all = int(connected_components(graph, directed=False, return_labels=False))
-    return n_all - int(n - is_used.sum())
 
 
 def betti_by_euler(mesh: ElementMesh) -> BettiNumbers:
@@ -51,7 +22,7 @@ def betti_by_euler(mesh: ElementMesh) -> BettiNumbers:
     """
     facets = mesh.facets
     betti_0 = count_components(mesh.cells)
-    n_points = len(np.unique(mesh.cells))
+    n_points = count_used(mesh.cells)
     if mesh.dim == 2:
         return BettiNumbers(betti_0, betti_0 - (n_points - facets.n_unique + mesh.n_cells))
     euler = n_points - count_edges(mesh.cells) + facets.n_unique - mesh.n_cells
@@ -74,6 +45,7 @@ def betti_by_boundary(mesh: ElementMesh) -> BettiNumbers:
 
     Examples
     --------
+    >>> import numpy as np
     >>> from tusqh.meshes.volume_mesh import VolumeMesh
     >>> points = np.array([[x, y] for x in range(4) for y in range(4)], dtype=float)
     >>> corners = np.array([[i * 4 + j, i * 4 + j + 4, i * 4 + j + 5, i * 4 + j + 1]
@@ -83,19 +55,10 @@ def betti_by_boundary(mesh: ElementMesh) -> BettiNumbers:
     ('(1, 1, 0)', '(1, 1, 0)')
     """
     facets, boundary = mesh.facets, mesh.facets.boundary
-    betti_0 = _count_by_facets(facets, mesh.n_cells)
+    betti_0 = count_components_by_parts(facets.unique, len(facets.local))
     if mesh.dim == 2:
         return BettiNumbers(betti_0, count_components(boundary) - betti_0)
     sides = facets.boundary_edges
-    n_surfaces = _count_by_facets(sides, len(boundary))
-    euler = len(np.unique(boundary)) - sides.n_unique + len(boundary)
+    n_surfaces = count_components_by_parts(sides.unique, len(sides.local))
+    euler = count_used(boundary) - sides.n_unique + len(boundary)
     return BettiNumbers(betti_0, n_surfaces - euler // 2, n_surfaces - betti_0)
-
-
-def _count_by_facets(facets: Facets, n_cells: int) -> int:
-    """Return the number of components of elements that share facets."""
-    order = np.argsort(facets.unique, kind="stable")
-    same = facets.unique[order[1:]] == facets.unique[order[:-1]]
-    pairs = (facets.cell[order[:-1]][same], facets.cell[order[1:]][same])
-    graph = coo_array((np.ones(len(pairs[0]), dtype=bool), pairs), shape=(n_cells, n_cells))
-    return int(connected_components(graph, directed=False, return_labels=False))

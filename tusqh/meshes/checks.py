@@ -10,10 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tusqh.grid import BoolArray, IntArray
+from tusqh.grid import BoolArray
 from tusqh.meshes.element_mesh import ElementMesh
 from tusqh.meshes.hanging_nodes import count_hanging_nodes
 from tusqh.meshes.manifold import find_non_manifold_points
+from tusqh.meshes.numbering import (
+    count_different_points,
+    count_repeated_corners,
+    count_used,
+    number_rows,
+)
 
 #: The checks that a conforming mesh passes, by `Check.id`.
 CONFORMITY = frozenset(
@@ -84,24 +90,20 @@ def check_mesh(mesh: ElementMesh) -> list[Check]:
     checks = [_none("indices_out_of_range", "corner indices out of range", n_out)]
     if n_out:
         return checks
-    n_infinite, n_used = _count_rows(~np.isfinite(points)), len(np.unique(cells))
+    n_infinite, n_used = _count_rows(~np.isfinite(points)), count_used(cells)
     checks += [
         _none("non_finite_points", "points with NaN or infinite coordinates", n_infinite),
         _none("unused_points", "unused points", len(points) - n_used),
-        _none(
-            "repeated_corners", "elements that use a point twice", _n_with_repeated_corner(cells)
-        ),
+        _none("repeated_corners", "elements that use a point twice", count_repeated_corners(cells)),
     ]
     if not all(check.holds for check in checks):
         return checks
-    n_points, n_cells = (
-        len(np.unique(points, axis=0)),
-        len(np.unique(np.sort(cells, axis=1), axis=0)),
-    )
+    n_points = count_different_points(points)
+    _, n_cells = number_rows(cells, np.arange(cells.shape[1])[None])
     facets = mesh.facets
     n_overfull = int((facets.n_cells_of > 2).sum())
     n_bad = len(find_non_manifold_points(facets))
-    n_inverted = _count_rows(~(mesh.jacobians.determinant > 0))
+    n_inverted = int((~(mesh.jacobians.determinant > 0)).sum())
     return [
         *checks,
         _none("repeated_points", "repeated points", len(points) - n_points),
@@ -119,8 +121,3 @@ def _none(identifier: str, name: str, found: int) -> Check:
 
 def _count_rows(is_bad: BoolArray) -> int:
     return int(is_bad.any(axis=1).sum())
-
-
-def _n_with_repeated_corner(cells: IntArray) -> int:
-    ordered = np.sort(cells, axis=1)
-    return _count_rows(ordered[:, 1:] == ordered[:, :-1])

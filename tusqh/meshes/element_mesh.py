@@ -7,7 +7,7 @@ from functools import cached_property
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.boundary import Boundary, find_boundary
 from tusqh.meshes.facets import Facets, find_facets
-from tusqh.meshes.jacobians import Jacobians, corner_jacobians, element_volumes
+from tusqh.meshes.jacobians import Jacobians, element_volumes, smallest_jacobians
 
 
 class ElementMesh:
@@ -52,8 +52,8 @@ class ElementMesh:
 
     @cached_property
     def jacobians(self) -> Jacobians:
-        """Jacobians and scaled Jacobians at the corners of the elements."""
-        return corner_jacobians(self.points, self.cells)
+        """The smallest Jacobian and scaled Jacobian of every element."""
+        return smallest_jacobians(self.points, self.cells)
 
     @cached_property
     def volumes(self) -> FloatArray:

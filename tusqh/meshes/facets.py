@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tusqh.grid import BoolArray, IntArray
+from tusqh.meshes.numbering import number_rows
 
 #: Local corners of every facet, facing outwards (VTK order).
 QUAD_FACETS: IntArray = np.array([[0, 1], [1, 2], [2, 3], [3, 0]], dtype=np.int64)
@@ -31,20 +33,20 @@ class Facets:
 
     Parameters
     ----------
-    corners
-        Points of every facet in the order of its element, shape (m * sides, 2**(dim - 1)).
-    cell
-        Element of every row, shape (m * sides,).
+    cells
+        Corners of every element, shape (m, 4) or (m, 8).
+    local
+        Local corners of every facet, shape (sides, 2**(dim - 1)).
     unique
         Number of each facet, equal for rows with the same points, shape (m * sides,).
     n_cells_of
         Number of rows that share each unique facet, shape (n_unique,).
     """
 
-    corners: IntArray
-    cell: IntArray
-    unique: IntArray
-    n_cells_of: IntArray
+    cells: IntArray
+    local: IntArray
+    unique: NDArray[np.signedinteger]
+    n_cells_of: NDArray[np.signedinteger]
 
     @property
     def n_unique(self) -> int:
@@ -52,14 +54,25 @@ class Facets:
         return len(self.n_cells_of)
 
     @cached_property
+    def corners(self) -> IntArray:
+        """Points of every row in the order of its element, shape (m * sides, 2**(dim - 1))."""
+        return self.cells[:, self.local].reshape(-1, self.local.shape[1])
+
+    @cached_property
+    def cell(self) -> IntArray:
+        """Element of every row, shape (m * sides,)."""
+        return np.repeat(np.arange(len(self.cells), dtype=np.int64), len(self.local))
+
+    @cached_property
     def on_boundary(self) -> BoolArray:
         """Whether the facet of each row belongs to no other element."""
-        return np.asarray(self.n_cells_of[self.unique] == 1)
+        return np.asarray((self.n_cells_of == 1)[self.unique])
 
     @cached_property
     def boundary(self) -> IntArray:
         """Points of the boundary facets, facing outwards, shape (n_boundary, 2**(dim - 1))."""
-        return self.corners[self.on_boundary]
+        cell, side = np.divmod(np.flatnonzero(self.on_boundary), len(self.local))
+        return np.asarray(self.cells[cell[:, None], self.local[side]])
 
     @cached_property
     def boundary_edges(self) -> Facets:
@@ -84,24 +97,9 @@ def find_facets(cells: IntArray) -> Facets:
     (7, 6)
     """
     local = QUAD_FACETS if cells.shape[1] == 4 else HEX_FACETS
-    corners = cells[:, local].reshape(-1, local.shape[1])
-    cell = np.repeat(np.arange(len(cells), dtype=np.int64), len(local))
-    ordered = np.sort(corners, axis=1)
-    # Two points identify a side, but a quad face needs all of its points: rank the pairs after
-    # each packing step, so that the keys stay within int64.
-    key = _rank_pairs(ordered[:, 0], ordered[:, 1])
-    for column in range(2, ordered.shape[1]):
-        key = _rank_pairs(key, ordered[:, column])
-    counts = np.bincount(key, minlength=int(key.max()) + 1 if len(key) else 0)
-    return Facets(corners=corners, cell=cell, unique=key, n_cells_of=counts.astype(np.int64))
-
-
-def _rank_pairs(first: IntArray, second: IntArray) -> IntArray:
-    """Return a number for each pair, equal for equal pairs and in lexicographic order."""
-    if len(first) == 0:
-        return np.empty(0, dtype=np.int64)
-    packed = first * (int(second.max()) + 1) + second
-    return np.asarray(np.unique(packed, return_inverse=True)[1], dtype=np.int64)
+    unique, n_unique = number_rows(cells, local)
+    counts = np.bincount(unique, minlength=n_unique).astype(np.int32)
+    return Facets(cells=cells, local=local, unique=unique, n_cells_of=counts)
 
 
 def count_edges(cells: IntArray) -> int:
@@ -117,10 +115,4 @@ def count_edges(cells: IntArray) -> int:
     >>> count_edges(np.arange(8)[None])
     12
     """
-    if len(cells) == 0:
-        return 0
-    n = int(cells.max()) + 1
-    ends = [(cells[:, a], cells[:, b]) for a, b in HEX_EDGES.tolist()]
-    keys = np.concatenate([np.minimum(a, b) * n + np.maximum(a, b) for a, b in ends])
-    keys.sort()
-    return 1 + int(np.count_nonzero(keys[1:] != keys[:-1]))
+    return number_rows(cells, HEX_EDGES)[1]

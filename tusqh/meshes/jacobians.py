@@ -1,4 +1,4 @@
-"""Compute the corner Jacobians and volumes of quads and hexes."""
+"""Compute the smallest corner Jacobians and the volumes of quads and hexes."""
 
 from __future__ import annotations
 
@@ -19,12 +19,13 @@ HEX_NEIGHBOURS: IntArray = np.array(
 
 
 class Jacobians(NamedTuple):
-    """The Jacobians at the corners of elements.
+    """The smallest Jacobians of elements.
 
     Parameters
     ----------
     determinant
-        Determinants of the edges that leave each corner, shape (m, 2**dim), model units**dim.
+        Smallest determinant of the edges that leave a corner of each element, shape (m,), model
+        units**dim.
     scaled
         The same with edges of unit length, dimensionless; NaN if an edge has no length.
     """
@@ -33,8 +34,8 @@ class Jacobians(NamedTuple):
     scaled: FloatArray
 
 
-def corner_jacobians(points: FloatArray, cells: IntArray) -> Jacobians:
-    """Return the Jacobian and the scaled Jacobian at every corner of every element.
+def smallest_jacobians(points: FloatArray, cells: IntArray) -> Jacobians:
+    """Return the smallest Jacobian and the smallest scaled Jacobian of every element.
 
     Parameters
     ----------
@@ -52,27 +53,28 @@ def corner_jacobians(points: FloatArray, cells: IntArray) -> Jacobians:
     --------
     >>> import numpy as np
     >>> trapezoid = np.array([[0.0, 0.0], [4.0, 0.0], [3.0, 1.0], [1.0, 1.0]])
-    >>> jacobian, scaled = corner_jacobians(trapezoid, np.array([[0, 1, 2, 3]]))
+    >>> jacobian, scaled = smallest_jacobians(trapezoid, np.array([[0, 1, 2, 3]]))
     >>> jacobian.tolist(), float(scaled.min().round(6))
-    ([[4.0, 4.0, 2.0, 2.0]], 0.707107)
+    ([2.0], 0.707107)
     """
     if cells.shape[1] == 8:
-        jacobian, lengths = np.empty(cells.shape), np.empty(cells.shape)
-        _hex_corners(points, cells, HEX_NEIGHBOURS, jacobian, lengths)
-    else:
-        corners = points[cells]
-        a, b = np.moveaxis(corners[:, QUAD_NEIGHBOURS] - corners[:, :, None], 2, 0)
-        jacobian = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-        lengths = np.linalg.norm(a, axis=-1) * np.linalg.norm(b, axis=-1)
+        found = Jacobians(np.empty(len(cells)), np.empty(len(cells)))
+        _smallest_of_hexes(points, cells, HEX_NEIGHBOURS, *found)
+        return found
+    corners = points[cells]
+    a, b = np.moveaxis(corners[:, QUAD_NEIGHBOURS] - corners[:, :, None], 2, 0)
+    jacobian = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    lengths = np.linalg.norm(a, axis=-1) * np.linalg.norm(b, axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return Jacobians(jacobian, jacobian / lengths)
+        return Jacobians(jacobian.min(axis=1), (jacobian / lengths).min(axis=1))
 
 
 @numba.njit(cache=True)
-def _hex_corners(points, cells, neighbours, jacobian, lengths):  # type: ignore[no-untyped-def]
-    """Fill in, for each corner, the determinant of its edges and the product of their lengths."""
+def _smallest_of_hexes(points, cells, neighbours, determinant, scaled):  # type: ignore[no-untyped-def]
+    """Fill in the smallest determinant, and the smallest one over the lengths of its edges."""
     edge = np.empty((3, 3))
     for cell in range(len(cells)):
+        least, least_scaled, is_number, has_length = np.inf, np.inf, True, True
         for corner in range(8):
             at = cells[cell, corner]
             product = 1.0
@@ -83,12 +85,18 @@ def _hex_corners(points, cells, neighbours, jacobian, lengths):  # type: ignore[
                     edge[k, axis] = points[to, axis] - points[at, axis]
                     square += edge[k, axis] ** 2
                 product *= np.sqrt(square)
-            jacobian[cell, corner] = (
+            value = (
                 (edge[0, 1] * edge[1, 2] - edge[0, 2] * edge[1, 1]) * edge[2, 0]
                 + (edge[0, 2] * edge[1, 0] - edge[0, 0] * edge[1, 2]) * edge[2, 1]
                 + (edge[0, 0] * edge[1, 1] - edge[0, 1] * edge[1, 0]) * edge[2, 2]
             )
-            lengths[cell, corner] = product
+            is_number = is_number and value == value
+            least = min(least, value)
+            has_length = has_length and product > 0
+            if product > 0:
+                least_scaled = min(least_scaled, value / product)
+        determinant[cell] = least if is_number else np.nan
+        scaled[cell] = least_scaled if is_number and has_length else np.nan
 
 
 def element_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
@@ -113,14 +121,40 @@ def element_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
     >>> element_volumes(cube, np.array([[0, 1, 2, 3, 4, 5, 6, 7]])).tolist()
     [1.0]
     """
+    if cells.shape[1] == 8:
+        volumes = np.empty(len(cells))
+        _hex_volumes(points, cells, HEX_FACETS, volumes)
+        return volumes
     corners = points[cells] - points[cells[:, :1]]
-    if cells.shape[1] == 4:
-        diagonals = corners[:, 2:] - corners[:, :2]
-        return np.asarray(np.linalg.det(diagonals) / 2 if len(cells) else np.zeros(0))
-    a, b, c, d = np.moveaxis(corners[:, HEX_FACETS], 2, 0)
-    triangles = [(a, b, c), (a, c, d), (a, b, d), (b, c, d)]
-    volumes = sum(np.einsum("mfi,mfi->m", p, np.cross(q, r)) for p, q, r in triangles)
-    return np.asarray(volumes / 12)
+    diagonals = corners[:, 2:] - corners[:, :2]
+    return np.asarray(np.linalg.det(diagonals) / 2 if len(cells) else np.zeros(0))
+
+
+@numba.njit(cache=True)
+def _hex_volumes(points, cells, facets, volumes):  # type: ignore[no-untyped-def]
+    """Fill in the volumes of hexes, from tetrahedra between faces and the first corner."""
+    at = np.empty((4, 3))
+    for cell in range(len(cells)):
+        total = 0.0
+        for face in range(6):
+            for c in range(4):
+                for axis in range(3):
+                    at[c, axis] = (
+                        points[cells[cell, facets[face, c]], axis] - points[cells[cell, 0], axis]
+                    )
+            total += _six_volumes(at[0], at[1], at[2]) + _six_volumes(at[0], at[2], at[3])
+            total += _six_volumes(at[0], at[1], at[3]) + _six_volumes(at[1], at[2], at[3])
+        volumes[cell] = total / 12
+
+
+@numba.njit(cache=True)
+def _six_volumes(p, q, r):  # type: ignore[no-untyped-def]
+    """Return six times the volume of the tetrahedron of three points and the origin."""
+    return (
+        p[0] * (q[1] * r[2] - q[2] * r[1])
+        + p[1] * (q[2] * r[0] - q[0] * r[2])
+        + p[2] * (q[0] * r[1] - q[1] * r[0])
+    )
 
 
 def enclosed_volume(points: FloatArray, faces: IntArray) -> float:
