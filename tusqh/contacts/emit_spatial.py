@@ -18,9 +18,11 @@ faces stays whole.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from tusqh.contacts.ball_elements import Balls, RingEnd, ring_end
 from tusqh.contacts.emitter import Emitted, Emitter
 from tusqh.contacts.predict import Labels
 from tusqh.contacts.spatial import SpatialDecision, face_sticks
@@ -89,18 +91,25 @@ def emit_spatial(decision: SpatialDecision, grid: BackgroundGrid, name: str) -> 
         material = frusta[face, cells]
         kind = np.where(material == flat[cells], SEPARATING, CONNECTING)
         emitter.add(corners[:, emitter.template.frusta[face]], cells, kind, material)
+    balls = Balls(emitter, decision.field)
     for axis, found in enumerate(faces):
-        _emit_refined(emitter, axis, found, flat)
+        _emit_refined(emitter, balls, axis, found, flat)
     return emitter.finish(name)
 
 
 def _find_faces(field: Field, axis: int, grid: BackgroundGrid) -> _Faces:
     """Return the faces normal to an axis with a marked corner, and their materials."""
     numbers, below, above, sticks, has = face_sticks(field, axis)
+    first, second = field.steps[axis - 2], field.steps[axis - 1]
+    at_ball = np.zeros(len(numbers), dtype=bool)
+    for corner in (0, first, second, first + second):
+        at_ball |= field.has_ball[numbers + corner]
     single = np.where(field.sides[axis, numbers] == 1, above, below)
     at_edges = np.where(has, sticks, single[:, None])
     rings = at_edges[:, _ring_order(axis)]
-    is_one = (rings == rings[:, :1]).all(axis=1)
+    # Between cells of one material nothing but their own can be at the edges.
+    rings = np.where((below == above)[:, None], below[:, None], rings)
+    is_one = (rings == rings[:, :1]).all(axis=1) & ~at_ball
     is_one &= (rings[:, 0] == below) | (rings[:, 0] == above)
     upper = np.stack(np.unravel_index(numbers, tuple(n + 1 for n in grid.shape)))
     lower = upper - (np.arange(3) == axis)[:, None]
@@ -128,7 +137,7 @@ def _upper_face(axis: int) -> IntArray:
     return np.asarray(HEX_FACETS[FACES[3].index((axis, 1))])
 
 
-def _emit_refined(emitter: Emitter, axis: int, faces: _Faces, flat: Labels) -> None:
+def _emit_refined(emitter: Emitter, balls: Balls, axis: int, faces: _Faces, flat: Labels) -> None:
     """Add the centres and rings of the refined faces normal to an axis."""
     is_refined = faces.plain < 0
     lower, upper, rings = faces.lower[is_refined], faces.upper[is_refined], faces.rings[is_refined]
@@ -139,13 +148,48 @@ def _emit_refined(emitter: Emitter, axis: int, faces: _Faces, flat: Labels) -> N
     small = _add_small_quads(emitter, lower, axis, local)
     emitter.add(np.concatenate([below, small], axis=1), lower, SEPARATING, flat[lower])
     emitter.add(np.concatenate([small, above], axis=1), upper, SEPARATING, flat[upper])
+    corners = np.stack([outer, below, small, above], axis=2)
     for a in range(4):
         b = (a + 1) % 4
-        ring = [quad[:, c] for c in (a, b) for quad in (outer, below, small, above)]
-        material = rings[:, a]
-        is_own = (material == flat[lower]) & (material == flat[upper])
+        along = int((HEX_CORNERS[local[a]] != HEX_CORNERS[local[b]]).argmax())
+        ends = [ring_end(corners[:, c], HEX_CORNERS[local[c]], along, axis) for c in (a, b)]
+        _emit_rings(emitter, balls, ends, _Rings(lower, flat[lower], flat[upper], rings[:, a]))
+
+
+class _Rings(NamedTuple):
+    """The owners of rings, and the materials below them, above them and of themselves."""
+
+    lower: IntArray
+    below: Labels
+    above: Labels
+    ring: Labels
+
+
+def _emit_rings(emitter: Emitter, balls: Balls, ends: list[RingEnd], rings: _Rings) -> None:
+    """Add the rings between two ends, split where one of them has a ball."""
+    has = [balls.has_ball[end.quad[:, 0]] for end in ends]
+    lowest = 0 if ends[0].half_edge & 1 else 1
+    whole = np.flatnonzero(~has[0] & ~has[1])
+    parts = [("ring", whole, np.concatenate([end.quad[whole] for end in ends], axis=1))]
+    for first in (0, 1):
+        # Split from this end, unless there are balls at both ends and it is the upper one.
+        rows = np.flatnonzero(has[first] & ((first == lowest) | ~has[1 - first]))
+        if len(rows) == 0:
+            continue
+        own, other = (ends[k]._replace(quad=ends[k].quad[rows]) for k in (first, 1 - first))
+        for name, found, elements in balls.split(own, other):
+            turned = np.roll(elements, 4, axis=1) if first == 1 else elements
+            if name in ("first", "second"):
+                at = own if name == "first" else other
+                material = balls.material[at.quad[found, 0]]
+                emitter.add(turned, rings.lower[rows[found]], CONNECTING, material)
+            else:
+                parts.append((name, rows[found], turned))
+    for name, rows, elements in parts:
+        material = getattr(rings, name)[rows]
+        is_own = (material == rings.below[rows]) & (material == rings.above[rows])
         kind = np.where(is_own, SEPARATING, CONNECTING)
-        emitter.add(np.stack(ring, axis=1), lower, kind, material)
+        emitter.add(elements, rings.lower[rows], kind, material)
 
 
 def _add_small_quads(emitter: Emitter, lower: IntArray, axis: int, local: IntArray) -> IntArray:

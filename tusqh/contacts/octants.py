@@ -47,9 +47,6 @@ class Octants(NamedTuple):
         Whether a set of octants or its complement is disconnected, shape (256,).
     euler
         Euler characteristic of the octants of a set and the faces between them, shape (256,).
-    splits
-        Whether the sticks of a set of half-edges do not form a disc, because the set is two
-        opposite half-edges or the other four, shape (64,).
     """
 
     kites: IntArray
@@ -60,7 +57,6 @@ class Octants(NamedTuple):
     parts: IntArray
     is_pinched: np.ndarray[tuple[int], np.dtype[np.bool_]]
     euler: IntArray
-    splits: np.ndarray[tuple[int], np.dtype[np.bool_]]
 
 
 @cache
@@ -70,8 +66,8 @@ def octants() -> Octants:
     Examples
     --------
     >>> tables = octants()
-    >>> tables.kites.shape, int(tables.is_pinched.sum()), int(tables.splits.sum())
-    ((12, 4), 128, 6)
+    >>> tables.kites.shape, int(tables.is_pinched.sum())
+    ((12, 4), 128)
     """
     kites = _find_kites()
     sectors = [
@@ -86,8 +82,6 @@ def octants() -> Octants:
         mask.bit_count() - sum(mask >> a & mask >> b & 1 for a, b in kites[:, :2].tolist())
         for mask in range(256)
     ]
-    opposite = [3 << 2 * axis for axis in range(3)]
-    splits = [mask in opposite or 63 - mask in opposite for mask in range(64)]
     return Octants(
         kites=kites,
         around=_find_around(),
@@ -97,7 +91,6 @@ def octants() -> Octants:
         parts=parts,
         is_pinched=(n_parts > 1) | (n_parts[::-1] > 1),
         euler=np.array(euler, dtype=np.int64),
-        splits=np.array(splits),
     )
 
 

@@ -1,12 +1,12 @@
-"""Resolve contacts in 3D: mark vertices and choose the material of every stick at them.
+"""Resolve contacts in 3D: every pinched edge and vertex gets the material that wins its vote.
 
-The faces at a marked vertex are refined: the four rings around a grid edge form a *stick*, which
-has the material of one of the four cells.  Every pinched vertex is marked.  If possible, its sticks
-follow the votes of pinched edges and of the vertex (its *ball*); otherwise all labels of its six
-sticks are tried.  An unmarked vertex that becomes bad through its refined faces is marked too.  If
-no sticks are good, all marked vertices that grid edges join take the *order rule*: every stick has
-the first material among its four cells, which is good at every vertex.  Marks are only added, so
-the procedure ends.
+The faces between two materials at a *marked* vertex are refined: the rings around a grid edge form
+a *stick* of one material, except between cells of one material.  Every pinched vertex is marked.
+Its pinched edges have the sticks for which they vote; the labels of the other sticks are chosen so
+that every material around it is a manifold, joined as the edges and the vertex (its *ball*) vote,
+with as few elements as possible.  Where no labels are good, the vertex gets elements for its ball
+alone, which are good with any sticks.  An unmarked vertex that becomes bad through its refined
+faces is marked too.  Marks and balls are only added, so the procedure ends.
 """
 
 from __future__ import annotations
@@ -14,17 +14,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
 
 from tusqh.contacts.material_fractions import MaterialFractions
 from tusqh.contacts.octants import octants
 from tusqh.contacts.planar import find_diagonals
 from tusqh.contacts.predict import Contacts, Labels
 from tusqh.contacts.spatial_votes import SpatialVotes
-from tusqh.contacts.stick_field import Costs, Field, find_pinched
+from tusqh.contacts.stick_field import Field, find_pinched
 from tusqh.contacts.sticks import improve, judge
-from tusqh.contacts.votes import Votes
 from tusqh.grid import BoolArray, IntArray
+
+#: Sweeps over the marked vertices; a few suffice, and stopping early costs elements only.
+_MAX_SWEEPS = 20
 
 
 @dataclass(frozen=True)
@@ -40,27 +41,27 @@ class SpatialDecision:
     contacts
         Pinched edges and vertices with their decided materials.
     n_overruled
-        Number of pinched edges and vertices whose vote was overruled.
-    n_by_order
-        Number of vertices under the order rule.
+        Number of pinched edges and vertices whose vote was overruled, which is 0.
     """
 
     labels: Labels
     field: Field
     contacts: Contacts
     n_overruled: int
-    n_by_order: int
 
 
 class _Decider:
-    """The mutable state of marks, sticks and costs; see the module's docstring."""
+    """The mutable state of marks and sticks; see the module's docstring."""
 
     def __init__(self, votes: SpatialVotes) -> None:
         self.votes, self.tables = votes, octants()
         n = len(votes.labels)
         self.field = Field(
             labels=votes.labels,
+            ball=np.full(n, -1, dtype=np.int32),
+            is_pinched=np.zeros((3, n), dtype=bool),
             marked=np.zeros(n, dtype=bool),
+            has_ball=np.zeros(n, dtype=bool),
             sticks=np.full((3, n), -1, dtype=np.int32),
             sides=np.zeros((3, n), dtype=np.uint8),
             steps=votes.steps,
@@ -68,57 +69,42 @@ class _Decider:
         for axis in range(3):
             lower = np.roll(votes.labels, votes.steps[axis])
             self.field.sides[axis] = votes.labels < lower
-        self.by_order = np.zeros(n, dtype=bool)
         self.vertices = find_pinched(votes.labels, votes.shape, votes.steps, self.tables)
-        self.octants, self.ball = votes.of_vertices(self.vertices)
-        self.edges: list[tuple[int, IntArray, Labels, Votes]] = []
-        row = np.full(n, -1, dtype=np.int32)
-        row[self.vertices] = np.arange(len(self.vertices))
-        self.costs = Costs(row, self.ball.price, np.full((3, n), -1, np.int32), np.empty((0, 4)))
+        self.field.ball[self.vertices] = votes.of_vertices(self.vertices)
         self._mark(self.vertices)
-        prices = [votes.price for _, _, _, votes in self.edges]
-        self.costs = self.costs._replace(edge_cost=np.concatenate([np.empty((0, 4)), *prices]))
 
     def run(self) -> None:
         """Decide all sticks."""
         while True:
             marked = np.flatnonzero(self.field.marked)
-            while improve(marked, self.field, self.costs, self.by_order, self.tables):
-                pass
+            for _ in range(_MAX_SWEEPS):
+                if improve(marked, self.field, self.votes.void, self.tables) == 0:
+                    break
             near = self._near()
-            bad = near[judge(near, self.field, self.tables) == 0]
-            is_marked = self.field.marked[bad]
-            if is_marked.any():
-                self._fall_back(bad[is_marked])
-            elif len(bad):
-                self._mark(bad)
-                self._spread_order()
-            else:
+            bad = near[~judge(near, self.field, self.tables)]
+            if len(bad) == 0:
                 break
+            is_marked = self.field.marked[bad]
+            self.field.has_ball[bad[is_marked]] = True
+            self._mark(bad[~is_marked])
         self._choose_sides()
 
     def _mark(self, vertices: IntArray) -> None:
         """Mark vertices and give sticks to those of their edges that have none."""
-        self.field.marked[vertices] = True
-        wish = np.full(len(self.field.marked), -1, dtype=np.int32)
-        wish[self.vertices] = self.ball.winner
+        field = self.field
+        field.marked[vertices] = True
         for axis in range(3):
             step = self.votes.steps[axis]
             edges = np.unique(np.concatenate([vertices, vertices - step]))
-            edges = edges[self.field.sticks[axis, edges] < 0]
-            around, votes = self.votes.of_edges(axis, edges)
+            edges = edges[field.sticks[axis, edges] < 0]
+            around, winner = self.votes.of_edges(axis, edges)
             is_pinched = find_diagonals(around.T)
-            sticks = votes.winner.copy()
+            field.is_pinched[axis, edges] = is_pinched
             for ends in (edges + step, edges):
-                takes = ~is_pinched & (around == wish[ends][:, None]).any(axis=1)
-                sticks[takes] = wish[ends][takes]
-            self.field.sticks[axis, edges] = sticks
-            if is_pinched.any():
-                n = sum(len(numbers) for _, numbers, _, _ in self.edges)
-                pinched = edges[is_pinched]
-                self.costs.edge_row[axis, pinched] = n + np.arange(len(pinched))
-                own = Votes(votes.winner[is_pinched], votes.price[is_pinched])
-                self.edges.append((axis, pinched, around[is_pinched], own))
+                ball = field.ball[ends]
+                takes = ~is_pinched & (around == ball[:, None]).any(axis=1)
+                winner[takes] = ball[takes]
+            field.sticks[axis, edges] = winner
 
     def _near(self) -> IntArray:
         """Return the marked vertices and the vertices that share a face with one."""
@@ -128,29 +114,6 @@ class _Decider:
         for offset in offsets[np.abs(offsets).sum(axis=1) < 3]:
             is_near[marked + offset @ self.votes.steps] = True
         return np.flatnonzero(is_near)
-
-    def _fall_back(self, vertices: IntArray) -> None:
-        """Apply the order rule to all marked vertices that are joined to some vertices."""
-        self.by_order[vertices] = True
-        self._spread_order()
-
-    def _spread_order(self) -> None:
-        """Extend the order rule to all marked vertices that grid edges join to it."""
-        if not self.by_order.any():
-            return
-        marked = self.field.marked.reshape(self.votes.shape)
-        clusters = ndimage.label(marked)[0].ravel()
-        reached = np.zeros(clusters.max() + 1, dtype=bool)
-        reached[clusters[self.by_order]] = True
-        reached[0] = False
-        self.by_order |= reached[clusters]
-        for axis in range(3):
-            step = self.votes.steps[axis]
-            vertices = np.flatnonzero(self.by_order)
-            edges = np.unique(np.concatenate([vertices, vertices - step]))
-            around = self.votes.octant[self.tables.around[2 * axis + 1]]
-            first = self.votes.labels[edges[:, None] + around].min(axis=1)
-            self.field.sticks[axis, edges] = first
 
     def _choose_sides(self) -> None:
         """Assign the rings of faces to the cell with the material of their sticks if that is good.
@@ -162,10 +125,10 @@ class _Decider:
         before = sides[faces]
         corners = faces[:, None] % len(self.field.labels) + flat
         vertices = np.unique(corners)
-        allowed = judge(vertices, self.field, self.tables)
+        was_good = judge(vertices, self.field, self.tables)
         sides[faces] = 1 - before
         while len(faces):
-            differs = judge(vertices, self.field, self.tables) != allowed
+            differs = judge(vertices, self.field, self.tables) < was_good
             is_back = differs[np.searchsorted(vertices, corners)].any(axis=1)
             if not is_back.any():
                 break
@@ -207,33 +170,31 @@ def decide_sticks(
     thresholds
         Threshold of every material, in multiples of 2**-20, shape (m,).
     """
-    decider = _Decider(SpatialVotes(fractions, labels, thresholds))
+    votes = SpatialVotes(fractions, labels, thresholds)
+    decider = _Decider(votes)
     decider.run()
-    field, votes, vertices = decider.field, decider.votes, decider.vertices
-    allowed = judge(vertices, field, decider.tables)
-    is_allowed = (allowed[:, None] >> np.arange(8) & 1).astype(bool)
-    best = np.where(is_allowed, decider.costs.vertex_cost, np.inf).argmin(axis=1)
-    ball = np.take_along_axis(decider.octants, best[:, None], axis=1)[:, 0]
-    half_edges = [(e // 2, vertices - (1 - e % 2) * votes.steps[e // 2]) for e in range(6)]
-    nothing = np.empty((0, 4), dtype=np.int64)
-    rows = [
-        (e[:, None] + votes.octant[decider.tables.around[2 * axis + 1]], field.sticks[axis, e], v)
-        for axis, e, _, v in decider.edges
+    field, vertices = decider.field, decider.vertices
+    sticks = np.full((len(vertices), 6), -1, dtype=np.int32)
+    for e in range(6):
+        edges = vertices - (1 - e % 2) * votes.steps[e // 2]
+        is_pinched = field.is_pinched[e // 2, edges]
+        sticks[is_pinched, e] = field.sticks[e // 2, edges[is_pinched]]
+    pinched = [np.flatnonzero(field.is_pinched[axis]) for axis in range(3)]
+    edge_cells = [
+        edges[:, None] + votes.octant[decider.tables.around[2 * axis + 1]]
+        for axis, edges in enumerate(pinched)
     ]
-    n_overruled = int((ball != decider.ball.winner).sum())
-    n_overruled += sum(int((stick != v.winner).sum()) for _, stick, v in rows)
     return SpatialDecision(
         labels=labels,
         field=field,
         contacts=Contacts(
             vertex_cells=_to_cells(vertices[:, None] + votes.octant, votes.shape),
-            ball=ball,
-            sticks=np.stack([field.sticks[axis, e] for axis, e in half_edges], axis=1),
-            edge_cells=_to_cells(np.concatenate([nothing, *[c for c, _, _ in rows]]), votes.shape),
-            edge_material=np.concatenate([np.empty(0, np.int32), *[s for _, s, _ in rows]]),
+            ball=field.ball[vertices],
+            sticks=sticks,
+            edge_cells=_to_cells(np.concatenate(edge_cells), votes.shape),
+            edge_material=np.concatenate([field.sticks[k, e] for k, e in enumerate(pinched)]),
         ),
-        n_overruled=n_overruled,
-        n_by_order=int(decider.by_order.sum()),
+        n_overruled=0,
     )
 
 
@@ -265,6 +226,10 @@ def face_sticks(field: Field, axis: int) -> tuple[IntArray, Labels, Labels, Labe
     marked = np.flatnonzero(field.marked)
     around = [marked - i * step_a - j * step_b for i in (0, 1) for j in (0, 1)]
     faces = np.unique(np.concatenate(around))
+    has_ball = np.zeros(len(faces), dtype=bool)
+    for corner in (0, step_a, step_b, step_a + step_b):
+        has_ball |= field.has_ball[faces + corner]
+    faces = faces[has_ball | (field.labels[faces - field.steps[axis]] != field.labels[faces])]
     edges = [(b, faces), (b, faces + step_a), (a, faces), (a, faces + step_b)]
     sticks = np.stack([field.sticks[k, e] for k, e in edges], axis=1)
     return faces, field.labels[faces - field.steps[axis]], field.labels[faces], sticks, sticks >= 0

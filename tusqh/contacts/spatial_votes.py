@@ -7,7 +7,7 @@ import numpy as np
 from tusqh.contacts.material_fractions import MaterialFractions
 from tusqh.contacts.octants import BITS, octants
 from tusqh.contacts.predict import Labels
-from tusqh.contacts.votes import Votes, count_votes
+from tusqh.contacts.votes import count_votes
 from tusqh.grid import IntArray
 
 #: Layers of void around the grid: sticks reach into the first and are judged from the second.
@@ -35,25 +35,23 @@ class SpatialVotes:
         self.steps = np.array([self.shape[1] * self.shape[2], self.shape[2], 1], dtype=np.int64)
         self.octant = (BITS - 1) @ self.steps
 
-    def of_vertices(self, vertices: IntArray) -> tuple[Labels, Votes]:
-        """Return the materials around some vertices and their votes.
+    @property
+    def void(self) -> int:
+        """Index of the void."""
+        return self.fractions.void
+
+    def of_vertices(self, vertices: IntArray) -> Labels:
+        """Return the materials for which some vertices vote, shape (p,).
 
         Parameters
         ----------
         vertices
             Numbers of vertices, shape (p,).
-
-        Returns
-        -------
-        materials
-            Materials of the octants, shape (p, 8).
-        votes
-            The votes of the vertices.
         """
         candidates = self.labels[vertices[:, None] + self.octant]
-        return candidates, self._count(2 * self._index(vertices), candidates)
+        return self._count(2 * self._index(vertices), candidates)
 
-    def of_edges(self, axis: int, edges: IntArray) -> tuple[Labels, Votes]:
+    def of_edges(self, axis: int, edges: IntArray) -> tuple[Labels, Labels]:
         """Return the materials around some edges and their votes.
 
         Parameters
@@ -67,8 +65,8 @@ class SpatialVotes:
         -------
         materials
             Materials of the cells around them, shape (e, 4).
-        votes
-            The votes of the edges.
+        winners
+            The materials for which they vote, shape (e,).
         """
         candidates = self.labels[edges[:, None] + self.octant[octants().around[2 * axis + 1]]]
         place = 2 * self._index(edges)
@@ -79,11 +77,11 @@ class SpatialVotes:
         """Return the indices of vertices in the grid without layers, shape (p, 3)."""
         return np.stack(np.unravel_index(vertices, self.shape), axis=1) - LAYERS
 
-    def _count(self, place: IntArray, candidates: Labels) -> Votes:
-        """Return the votes of places of the doubled grid."""
+    def _count(self, place: IntArray, candidates: Labels) -> Labels:
+        """Return the materials for which places of the doubled grid vote."""
         shape = tuple(2 * n + 1 for n in self.fractions.grid.shape)
         is_inside = np.all((place >= 0) & (place < shape), axis=1)
         flat = np.ravel_multi_index(tuple((place * is_inside[:, None]).T), shape)
         return count_votes(
             self.fractions, np.where(is_inside, flat, -1), candidates, self.thresholds
-        )
+        ).winner

@@ -12,7 +12,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from tusqh.grid import FloatArray, IntArray
+from tusqh.grid import IntArray
 
 
 class Field(NamedTuple):
@@ -22,10 +22,16 @@ class Field(NamedTuple):
     ----------
     labels
         Material of every cell, shape (n_v,).
+    ball
+        Decided material of every pinched vertex, -1 at other vertices, shape (n_v,).
+    is_pinched
+        Pinched edges, whose sticks are decided, shape (3, n_v).
     marked
-        Vertices whose faces are refined, shape (n_v,).
+        Vertices whose faces between two materials are refined, shape (n_v,).
+    has_ball
+        Marked vertices with elements for the ball alone, shape (n_v,).
     sticks
-        Material of the stick at every edge with a marked end, shape (3, n_v).
+        Material of the stick at every edge with a marked end, -1 at other edges, shape (3, n_v).
     sides
         Which cell of a refined face owns the rings at its edges without sticks: 0 for the lower, 1
         for the upper cell, shape (3, n_v).
@@ -34,32 +40,13 @@ class Field(NamedTuple):
     """
 
     labels: NDArray[np.int32]
+    ball: NDArray[np.int32]
+    is_pinched: NDArray[np.bool_]
     marked: NDArray[np.bool_]
+    has_ball: NDArray[np.bool_]
     sticks: NDArray[np.int32]
     sides: NDArray[np.uint8]
     steps: IntArray
-
-
-class Costs(NamedTuple):
-    """The costs of overruling the votes of pinched vertices and edges.
-
-    Parameters
-    ----------
-    vertex_row
-        Row of every pinched vertex, -1 for other vertices, shape (n_v,).
-    vertex_cost
-        Cost of the material of each octant, shape (p, 8).
-    edge_row
-        Row of every pinched edge, -1 for other edges, shape (3, n_v).
-    edge_cost
-        Cost of the material of each of the four cells, in the order of `Octants.around`,
-        shape (e, 4).
-    """
-
-    vertex_row: NDArray[np.int32]
-    vertex_cost: FloatArray
-    edge_row: NDArray[np.int32]
-    edge_cost: FloatArray
 
 
 @numba.njit(cache=True)

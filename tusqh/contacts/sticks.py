@@ -1,7 +1,7 @@
 """Compiled functions that decide whether a vertex is good and search for better sticks.
 
 A vertex is *good* if every material around it is a manifold with the topology that its cells, its
-pinched edges and a ball of one of its materials imply.
+pinched edges and its ball imply.
 """
 
 from __future__ import annotations
@@ -9,28 +9,28 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-#: Cost of a marked vertex that is not good, and of an unmarked one, which then must be marked.
-_BAD, _UNMARKED_BAD = 1e6, 0.3
-#: Cost of changing the present stick, so that nothing changes without a gain.
-_CHANGE = 1e-4
+#: Price, in elements, of a marked vertex that is not good, and of an unmarked one.
+_BAD, _UNMARKED_BAD = 200.0, 40.0
+#: Elements that the split of a cell adds.
+_SPLIT = 6
 _ALL = (1 << 48) - 1
 
 
 @numba.njit(cache=True)
-def judge_around(octants, sectors, sticks, is_marked, tables):  # type: ignore[no-untyped-def]
-    """Return the octants, as bits, whose material may have the ball; 0 if the vertex is bad.
+def judge_around(octants, sectors, sticks, ball, tables):  # type: ignore[no-untyped-def]
+    """Return whether a vertex is good.
 
     Parameters
     ----------
-    octants, sectors, sticks
-        Materials of the octants, shape (8,), of the sectors, shape (48,), and of the sticks at the
-        half-edges, shape (6,), -1 if there is none; int32.
-    is_marked
-        Whether all faces at the vertex are refined.
+    octants, sectors
+        Materials of the octants, shape (8,), and of the sectors, shape (48,); int32.
+    sticks
+        Decided materials of the half-edges that are pinched, -1 at others, shape (6,); int32.
+    ball
+        Decided material of the vertex if it is pinched, otherwise -1.
     tables
         See `tusqh.contacts.octants.Octants`.
     """
-    allowed = 255
     for a in range(8):
         k, mask, is_first = octants[a], 0, True
         for b in range(8):
@@ -43,40 +43,32 @@ def judge_around(octants, sectors, sticks, is_marked, tables):  # type: ignore[n
         for s in range(48):
             if sectors[s] == k:
                 region |= 1 << s
-        if is_marked:
-            of_sticks = 0
-            for e in range(6):
-                of_sticks |= (sticks[e] == k) << e
-            if tables.splits[of_sticks]:
-                return 0
-        elif not (
+        if not _has_topology(k == ball, k, mask, region, sticks, tables):
+            return False
+        if not (
             _is_connected(region, tables.next_to) and _is_connected(_ALL & ~region, tables.next_to)
         ):
-            return 0
-        as_cells, as_ball = _compare(octants, k, mask, region, sticks, tables)
-        for b in range(8):
-            if not (as_ball if octants[b] == k else as_cells):
-                allowed &= ~(1 << b)
-    return allowed
+            return False
+    return True
 
 
 @numba.njit(cache=True)
 def _is_connected(region, next_to):  # type: ignore[no-untyped-def]
     """Return whether a set of sectors is connected; the empty set is."""
     seen = region & -region
-    while True:
-        grown = seen
+    new = seen
+    while new:
+        grown = 0
         for s in range(48):
-            if seen >> s & 1:
+            if new >> s & 1:
                 grown |= next_to[s]
-        grown &= region
-        if grown == seen:
-            return seen == region
-        seen = grown
+        new = grown & region & ~seen
+        seen |= new
+    return seen == region
 
 
 @numba.njit(cache=True)
-def _compare(octants, k, mask, region, sticks, tables):  # type: ignore[no-untyped-def]
+def _has_topology(has_ball, k, mask, region, sticks, tables):  # type: ignore[no-untyped-def]
     """Return whether material k is joined as its cells and sticks, or its ball, require.
 
     The actual body consists of its octants, and of its sectors as a further body that touches some
@@ -92,32 +84,30 @@ def _compare(octants, k, mask, region, sticks, tables):  # type: ignore[no-untyp
         if both and region & tables.of_kite[q]:
             n_kites += 1
     if region and not touching:
-        return False, False
+        return False
     euler = tables.euler[mask] + (region != 0) + n_kites
     for a in range(8):
         euler -= touching >> a & 1
-    found, said = tables.parts[mask].copy(), tables.parts[mask].copy()
+    found, said, expected = tables.parts[mask].copy(), tables.parts[mask].copy(), 1
     _join(found, touching)
-    expected = tables.euler[mask] - (mask == 255)
-    for e in range(6):
-        around, n, n_faces = 0, 0, 0
-        for c in range(4):
-            here = mask >> tables.around[e, c] & 1
-            around |= here << tables.around[e, c]
-            n += here
-            n_faces += here & (mask >> tables.around[e, (c + 1) % 4])
-        if n == 4 or (n > 0 and sticks[e] == k):
-            expected += 1 - (n - n_faces)
-            _join(said, around)
-    is_one = True
-    as_cells = euler == expected
-    low = -1
+    if has_ball:
+        _join(said, mask)
+    else:
+        expected = tables.euler[mask] - (mask == 255)
+        for e in range(6):
+            around, n, n_faces = 0, 0, 0
+            for c in range(4):
+                here = mask >> tables.around[e, c] & 1
+                around |= here << tables.around[e, c]
+                n += here
+                n_faces += here & (mask >> tables.around[e, (c + 1) % 4])
+            if n == 4 or (n > 0 and sticks[e] == k):
+                expected += 1 - (n - n_faces)
+                _join(said, around)
+    is_same = euler == expected
     for a in range(8):
-        if mask >> a & 1:
-            low = found[a] if low < 0 else low
-            is_one &= found[a] == low
-            as_cells &= found[a] == said[a]
-    return as_cells, is_one and euler == 1
+        is_same &= found[a] == said[a]
+    return is_same
 
 
 @numba.njit(cache=True)
@@ -136,57 +126,63 @@ def _join(parts, octants):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def _octant_steps(steps):  # type: ignore[no-untyped-def]
-    """Return the offsets from the number of a vertex to those of its octants."""
-    found = np.zeros(8, dtype=np.int64)
+def _look_around(v, octants, decided, field, tables):  # type: ignore[no-untyped-def]
+    """Fill in the materials of the octants, and the decided ones of pinched edges, at a vertex."""
     for a in range(8):
+        number = v
         for axis in range(3):
-            if not a >> axis & 1:
-                found[a] -= steps[axis]
-    return found
+            number -= (1 - (a >> axis & 1)) * field.steps[axis]
+        octants[a] = field.labels[number]
+    for e in range(6):
+        low = v - (1 - (e & 1)) * field.steps[e // 2]
+        decided[e] = field.sticks[e // 2, low] if field.is_pinched[e // 2, low] else -1
 
 
 @numba.njit(cache=True)
-def _judge(v, field, tables):  # type: ignore[no-untyped-def]
-    """Return the result of `judge_around` for a vertex of the grid."""
-    octant = _octant_steps(field.steps)
-    octants = np.empty(8, dtype=np.int32)
-    sectors = np.empty(48, dtype=np.int32)
-    sticks = np.full(6, -1, dtype=np.int32)
-    for a in range(8):
-        octants[a] = field.labels[v + octant[a]]
-    for e in range(6):
-        step = field.steps[e // 2]
-        other = v + step if e & 1 else v - step
-        if field.marked[v] or field.marked[other]:
-            sticks[e] = field.sticks[e // 2, min(v, other)]
+def _face_at(v, q, field, tables):  # type: ignore[no-untyped-def]
+    """Return the normal and the number of the face in which a kite at a vertex lies."""
+    e, f = tables.kites[q, 2], tables.kites[q, 3]
+    low = v - (1 - (e & 1)) * field.steps[e // 2] - (1 - (f & 1)) * field.steps[f // 2]
+    return 3 - e // 2 - f // 2, low
+
+
+@numba.njit(cache=True)
+def _has_corner(where, axis, low, field):  # type: ignore[no-untyped-def]
+    """Return whether some corner of a face is among some vertices."""
+    step_a, step_b = field.steps[axis - 2], field.steps[axis - 1]
+    return where[low] or where[low + step_a] or where[low + step_b] or where[low + step_a + step_b]
+
+
+@numba.njit(cache=True)
+def _is_good(v, field, tables):  # type: ignore[no-untyped-def]
+    """Return the result of `judge_around` for a vertex of the grid; true if it has a real ball."""
+    if field.has_ball[v]:
+        return True
+    octants, sectors = np.empty(8, np.int32), np.empty(48, np.int32)
+    decided = np.empty(6, np.int32)
+    _look_around(v, octants, decided, field, tables)
     is_plain = True
     for q in range(12):
-        e, f = tables.kites[q, 2], tables.kites[q, 3]
-        step_e, step_f = field.steps[e // 2], field.steps[f // 2]
-        lowest = v - (1 - (e & 1)) * step_e - (1 - (f & 1)) * step_f
-        is_refined = (
-            field.marked[lowest]
-            or field.marked[lowest + step_e]
-            or field.marked[lowest + step_f]
-            or field.marked[lowest + step_e + step_f]
-        )
+        axis, low = _face_at(v, q, field, tables)
+        is_refined = octants[tables.kites[q, 0]] != octants[tables.kites[q, 1]]
+        is_refined &= _has_corner(field.marked, axis, low, field)
         is_plain &= not is_refined
-        single = tables.kites[q, field.sides[3 - e // 2 - f // 2, lowest]]
+        single = octants[tables.kites[q, field.sides[axis, low]]]
         for h in range(2):
-            stick = sticks[tables.kites[q, 2 + h]]
+            e = tables.kites[q, 2 + h]
+            stick = field.sticks[e // 2, v - (1 - (e & 1)) * field.steps[e // 2]]
+            ring = stick if stick >= 0 else single
             for side in range(2):
                 own = octants[tables.kites[q, side]]
-                ring = stick if stick >= 0 else octants[single]
                 sectors[4 * q + 2 * side + h] = ring if is_refined else own
-    if is_plain:
-        return 255
-    return judge_around(octants, sectors, sticks, field.marked[v], tables)
+    if is_plain and field.ball[v] < 0:
+        return True
+    return judge_around(octants, sectors, decided, field.ball[v], tables)
 
 
 @numba.njit(cache=True)
 def judge(vertices, field, tables):  # type: ignore[no-untyped-def]
-    """Return the results of `judge_around` for some vertices of the grid, shape (r,).
+    """Return which vertices of the grid are good, shape (r,), bool.
 
     Parameters
     ----------
@@ -197,116 +193,126 @@ def judge(vertices, field, tables):  # type: ignore[no-untyped-def]
     tables
         See `tusqh.contacts.octants.Octants`.
     """
-    found = np.empty(len(vertices), dtype=np.int64)
+    found = np.empty(len(vertices), dtype=np.bool_)
     for i in range(len(vertices)):
-        found[i] = _judge(vertices[i], field, tables)
+        found[i] = _is_good(vertices[i], field, tables)
     return found
 
 
 @numba.njit(cache=True)
-def _cost_at(v, field, costs, tables):  # type: ignore[no-untyped-def]
-    """Return the cost of the best ball that the sticks at a vertex allow."""
-    allowed = _judge(v, field, tables)
-    if allowed == 0:
-        return _BAD if field.marked[v] else _UNMARKED_BAD
-    row = costs.vertex_row[v]
-    if row < 0:
-        return 0.0
-    best = _BAD
-    for a in range(8):
-        if allowed >> a & 1:
-            best = min(best, costs.vertex_cost[row, a])
-    return best
+def _price_face(lower, upper, rings, must, void):  # type: ignore[no-untyped-def]
+    """Return the elements that a face adds, and whether it splits its lower and upper cell."""
+    if lower == upper:
+        return 0, must, must
+    common, is_one = np.int32(-1), not must
+    for ring in rings:
+        if ring >= 0:
+            if common >= 0 and ring != common:
+                is_one = False
+            common = ring
+    if is_one and common == lower:
+        return np.int64(lower != void) - np.int64(upper != void), False, True
+    if is_one and common == upper:
+        return np.int64(upper != void) - np.int64(lower != void), True, False
+    price = 0
+    for ring in rings:
+        price += ring != void if ring >= 0 else lower != void and upper != void
+    return price, True, True
 
 
 @numba.njit(cache=True)
-def _is_wanting(v, octants, field, costs, tables):  # type: ignore[no-untyped-def]
-    """Return whether a vertex is bad, or its ball or a pinched edge at it is overruled."""
-    if _cost_at(v, field, costs, tables) > 0:
-        return True
-    for e in range(6):
-        low = v if e & 1 else v - field.steps[e // 2]
-        row = costs.edge_row[e // 2, low]
-        if row >= 0:
-            for c in range(4):
-                is_stick = octants[tables.around[e, c]] == field.sticks[e // 2, low]
-                if is_stick and costs.edge_cost[row, c] > 0:
-                    return True
-    return False
+def _list_options(v, octants, options, field, tables):  # type: ignore[no-untyped-def]
+    """Fill in the possible labels of every stick at a vertex and the prices at its other end.
 
-
-@numba.njit(cache=True)
-def _list_options(v, octants, options, field, costs, tables):  # type: ignore[no-untyped-def]
-    """Fill in the possible labels of every stick at a vertex and their prices.
-
-    A price includes the vote of the edge, the cost at its other end, and the cost of a change.
-    Return the price of the present labels.
+    The present label comes first.  The label of a pinched edge is decided.
     """
     labels, price, number = options
-    present = 0.0
     for e in range(6):
         axis, step = e // 2, field.steps[e // 2]
         other = v + step if e & 1 else v - step
         low = min(v, other)
-        row, old = costs.edge_row[axis, low], field.sticks[axis, low]
-        number[e] = 0
+        old = field.sticks[axis, low]
+        labels[e, 0], number[e] = old, 1
         for c in range(4):
-            k, at = octants[tables.around[e, c]], 0
-            while at < number[e] and labels[e, at] != k:
-                at += 1
-            if at < number[e]:
-                continue
-            labels[e, at] = k
-            number[e] += 1
-            field.sticks[axis, low] = k
-            price[e, at] = _cost_at(other, field, costs, tables)
-            if row >= 0:
-                price[e, at] += costs.edge_cost[row, c]
-            if k == old:
-                present += price[e, at]
-            else:
-                price[e, at] += _CHANGE
+            k, is_new = octants[tables.around[e, c]], not field.is_pinched[axis, low]
+            for at in range(number[e]):
+                is_new &= labels[e, at] != k
+            if is_new:
+                labels[e, number[e]] = k
+                number[e] += 1
+        for at in range(number[e]):
+            field.sticks[axis, low] = labels[e, at]
+            bad = _BAD if field.marked[other] else _UNMARKED_BAD
+            price[e, at] = 0.0 if _is_good(other, field, tables) else bad
         field.sticks[axis, low] = old
-    return present
 
 
 @numba.njit(cache=True)
-def _search(octants, options, ball_cost, best, tables):  # type: ignore[no-untyped-def]
-    """Return the cheapest good sticks of a vertex, or -1 for all if none cost less than `best`."""
+def _price_faces(v, octants, options, faces, field, tables, void):  # type: ignore[no-untyped-def]
+    """Fill in what every face at a vertex adds and splits, for all pairs of its two sticks."""
+    labels, _, number = options
+    prices, splits = faces
+    rings = np.empty(4, dtype=np.int32)
+    for q in range(12):
+        e, f = tables.kites[q, 2], tables.kites[q, 3]
+        axis, low = _face_at(v, q, field, tables)
+        must = _has_corner(field.has_ball, axis, low, field)
+        # The sticks at the vertex come first, then those at the two other edges.
+        rings[2] = field.sticks[e // 2, low + (f & 1) * field.steps[f // 2]]
+        rings[3] = field.sticks[f // 2, low + (e & 1) * field.steps[e // 2]]
+        lower, upper = tables.kites[q, 0], tables.kites[q, 1]
+        for i in range(number[e]):
+            for j in range(number[f]):
+                rings[0], rings[1] = labels[e, i], labels[f, j]
+                price, in_lower, in_upper = _price_face(
+                    octants[lower], octants[upper], rings, must, void
+                )
+                prices[q, i, j] = price
+                splits[q, i, j] = np.int64(in_lower) << lower | np.int64(in_upper) << upper
+
+
+@numba.njit(cache=True)
+def _search(v, octants, decided, options, faces, field, tables, void):  # type: ignore[no-untyped-def]
+    """Return the cheapest choice of every stick, as digits of one number; 0 is the present one."""
     labels, price, number = options
-    sectors = np.empty(48, dtype=np.int32)
-    now, found = np.empty(6, dtype=np.int32), np.full(6, -1, dtype=np.int32)
-    total = 1
+    prices, splits = faces
+    sectors, digit = np.empty(48, dtype=np.int32), np.zeros(6, dtype=np.int64)
+    total, best, best_code = 1, np.inf, 0
     for e in range(6):
         total *= number[e]
     for code in range(total):
-        rest, cost = code, 0.0
+        rest, cost, split = code, 0.0, 0
         for e in range(6):
-            now[e] = labels[e, rest % number[e]]
-            cost += price[e, rest % number[e]]
+            digit[e] = rest % number[e]
             rest //= number[e]
-        if cost >= best - _CHANGE / 2:
+            cost += price[e, digit[e]]
+        for q in range(12):
+            i, j = digit[tables.kites[q, 2]], digit[tables.kites[q, 3]]
+            cost += prices[q, i, j]
+            split |= splits[q, i, j]
+        for a in range(8):
+            cost += _SPLIT * (split >> a & 1 and octants[a] != void)
+        if cost >= best:
             continue
         for q in range(12):
+            lower, upper = octants[tables.kites[q, 0]], octants[tables.kites[q, 1]]
             for h in range(2):
-                sectors[4 * q + h] = sectors[4 * q + 2 + h] = now[tables.kites[q, 2 + h]]
-        allowed = judge_around(octants, sectors, now, True, tables)
-        least = _BAD
-        for a in range(8):
-            if allowed >> a & 1:
-                least = min(least, ball_cost[a])
-        if cost + least < best - _CHANGE / 2:
-            best = cost + least
-            found[:] = now
-    return found
+                e = tables.kites[q, 2 + h]
+                ring = lower if lower == upper else labels[e, digit[e]]
+                sectors[4 * q + h] = sectors[4 * q + 2 + h] = ring
+        is_good = field.has_ball[v]
+        if not (is_good or judge_around(octants, sectors, decided, field.ball[v], tables)):
+            cost += _BAD
+        if cost < best:
+            best, best_code = cost, code
+    return best_code
 
 
 @numba.njit(cache=True)
-def improve(vertices, field, costs, frozen, tables):  # type: ignore[no-untyped-def]
-    """Change sticks at marked vertices if that lowers the cost.
+def improve(vertices, field, void, tables):  # type: ignore[no-untyped-def]
+    """Change sticks at marked vertices if that makes vertices good or saves elements.
 
-    All combinations of labels of the six sticks, at most 4**6, are tried; their costs at the other
-    ends are included.
+    All labels of the six sticks are tried, with the vertices at their other ends.
 
     Parameters
     ----------
@@ -314,10 +320,8 @@ def improve(vertices, field, costs, frozen, tables):  # type: ignore[no-untyped-
         Numbers of marked vertices, shape (r,), int64.
     field
         See `tusqh.contacts.stick_field.Field`; its sticks change.
-    costs
-        See `tusqh.contacts.stick_field.Costs`.
-    frozen
-        Vertices that do not change, shape (n_v,), bool.
+    void
+        The material whose elements cost nothing.
     tables
         See `tusqh.contacts.octants.Octants`.
 
@@ -326,24 +330,21 @@ def improve(vertices, field, costs, frozen, tables):  # type: ignore[no-untyped-
     n_changed : int
         Number of sticks that changed.
     """
-    octant = _octant_steps(field.steps)
-    octants = np.empty(8, dtype=np.int32)
+    octants, decided = np.empty(8, np.int32), np.empty(6, np.int32)
     options = (np.empty((6, 4), np.int32), np.empty((6, 4)), np.empty(6, np.int64))
-    nothing = np.zeros(8)
+    faces = (np.empty((12, 4, 4), np.int64), np.empty((12, 4, 4), np.int64))
     n_changed = 0
     for v in vertices:
-        for a in range(8):
-            octants[a] = field.labels[v + octant[a]]
-        if frozen[v] or not _is_wanting(v, octants, field, costs, tables):
+        _look_around(v, octants, decided, field, tables)
+        _list_options(v, octants, options, field, tables)
+        if options[2].max() == 1:
             continue
-        best = _cost_at(v, field, costs, tables)
-        best += _list_options(v, octants, options, field, costs, tables)
-        row = costs.vertex_row[v]
-        ball_cost = nothing if row < 0 else costs.vertex_cost[row]
-        found = _search(octants, options, ball_cost, best, tables)
+        _price_faces(v, octants, options, faces, field, tables, void)
+        code = _search(v, octants, decided, options, faces, field, tables, void)
         for e in range(6):
             low = v if e & 1 else v - field.steps[e // 2]
-            if found[e] >= 0:
-                n_changed += found[e] != field.sticks[e // 2, low]
-                field.sticks[e // 2, low] = found[e]
+            choice = code % options[2][e]
+            code //= options[2][e]
+            n_changed += choice > 0
+            field.sticks[e // 2, low] = options[0][e, choice]
     return n_changed

@@ -107,7 +107,9 @@ def find_junctions(
 
 
 def facet_areas(points: FloatArray, facets: IntArray) -> FloatArray:
-    """Return the length of sides or the area of faces (of their two triangles), shape (r,).
+    """Return the length of sides or the area of faces, shape (r,).
+
+    The area of a face that is not plane is the mean over the two ways to cut it into triangles.
 
     Parameters
     ----------
@@ -119,6 +121,7 @@ def facet_areas(points: FloatArray, facets: IntArray) -> FloatArray:
     corners = points[facets]
     if facets.shape[1] == 2:
         return np.asarray(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1))
-    first = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    second = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 0])
-    return np.asarray((np.linalg.norm(first, axis=1) + np.linalg.norm(second, axis=1)) / 2)
+    sides = np.roll(corners, -1, axis=1) - corners
+    # At every corner, the triangle with the two sides that meet there; each area counts twice.
+    triangles = np.cross(np.roll(sides, 1, axis=1), sides)
+    return np.asarray(np.linalg.norm(triangles, axis=2).sum(axis=1) / 4)

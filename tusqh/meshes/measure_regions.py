@@ -111,7 +111,7 @@ def measure_regions(mesh: ElementMesh, region: IntArray, n_regions: int) -> list
 
     volumes = np.bincount(region, weights=mesh.volumes, minlength=n_regions)
     smallest = np.ones(n_regions)
-    np.minimum.at(smallest, region, mesh.jacobians.scaled.min(axis=1))
+    np.minimum.at(smallest, region, mesh.jacobians.scaled)
     bad = count(of_point[find_non_manifold_points(facets)])
     n_cells = count(region)
     euler = _by_euler(cells, facets, of_point, count)
