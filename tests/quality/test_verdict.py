@@ -4,6 +4,7 @@ from needs import import_or_require
 
 from tusqh.meshes.jacobians import element_volumes, smallest_jacobians
 from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.pipeline.judge import judge
 from tusqh.quality.elements import element_metrics, summarise_metrics
 from tusqh.quality.surface import judge_surface, surface_measures
 from tusqh.quality.system_libraries import SystemLibraryError, check_rendering, describe_missing
@@ -106,3 +107,14 @@ def test_rendering_without_a_library_is_an_error_with_a_remedy(monkeypatch):
         check_rendering()
     monkeypatch.setenv("DISPLAY", ":0")
     check_rendering()
+
+
+def test_other_programs_leave_out_large_meshes_unless_they_are_asked(monkeypatch):
+    monkeypatch.setattr("tusqh.pipeline.judge.MOST_ELEMENTS", 7)
+    judgement = judge(lattice(3, ANNULUS), BettiNumbers(1, 1))
+    assert str(judgement) == "suitable (3 not run)"
+    left_out = judgement.verdict[judgement.verdict["holds"] == "not run"]
+    assert set(left_out["found"]) == {"not run: 8 elements; `--all-checks` runs them"}
+    everything = judge(lattice(3, ANNULUS), BettiNumbers(1, 1), checks="all").verdict
+    assert not everything["id"].str.startswith("checks_by_").any()
+    assert len(everything) > len(judgement.verdict)

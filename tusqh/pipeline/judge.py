@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import pandas as pd
 
@@ -11,7 +12,8 @@ from tusqh.extras import MissingExtraError
 from tusqh.meshes.checks import Check
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.quality.elements import element_metrics, summarise_metrics
-from tusqh.quality.verdict import judge_mesh, overall, to_table
+from tusqh.quality.verdict import judge_alone, judge_mesh, overall, to_table
+from tusqh.settings.quality import MOST_ELEMENTS
 from tusqh.topology.betti_numbers import BettiNumbers
 
 
@@ -22,7 +24,7 @@ class Judgement:
     Parameters
     ----------
     elements
-        Summary of the element metrics, with one row per metric; empty if VTK is not installed.
+        Summary of VTK's element metrics, with one row per metric; empty if VTK did not run.
     verdict
         One row per check, see `tusqh.quality.verdict.to_table`.
     """
@@ -45,7 +47,11 @@ class Judgement:
 
 
 def judge(
-    mesh: VolumeMesh, predicted: BettiNumbers, *, comparison: Sequence[Check] = ()
+    mesh: VolumeMesh,
+    predicted: BettiNumbers,
+    *,
+    comparison: Sequence[Check] = (),
+    checks: Literal["all"] | None = None,
 ) -> Judgement:
     """Return all checks of a mesh, by our own counts, VTK, pymeshlab and MFEM.
 
@@ -57,7 +63,13 @@ def judge(
         Betti numbers that it must have.
     comparison
         Further checks, against the geometry, see `tusqh.pipeline.build.Built.comparison`.
+    checks
+        Whether other programs check large meshes too, see `tusqh.settings.quality.Quality`.
     """
+    if checks != "all" and mesh.n_cells > MOST_ELEMENTS:
+        skipped = f"{mesh.n_cells:,} elements; `--all-checks` runs them"
+        verdict = to_table([*judge_alone(mesh, predicted, skipped), *comparison])
+        return Judgement(summarise_metrics(pd.DataFrame()), verdict)
     try:
         metrics = element_metrics(mesh)
     except MissingExtraError:

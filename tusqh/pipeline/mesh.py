@@ -60,6 +60,7 @@ def mesh(
     voids: Mapping[str, Any] | None = None,
     image: Mapping[str, float] | None = None,
     volume_tolerance: float = 0.05,
+    checks: Literal["all"] | None = None,
     materials: Materials | None = None,
     rest: str | None = None,
     name: str | None = None,
@@ -118,6 +119,8 @@ def mesh(
     volume_tolerance
         Largest relative difference between the volumes of the mesh and of the geometry that causes
         no warning (with `volume`, no error).
+    checks
+        ``"all"`` lets VTK, MFEM and pymeshlab check meshes of more than 50,000 elements too.
     materials
         Mesh several materials: ``"parts"`` for the parts of the geometry, or names of labels or
         wishes for materials, such as ``{1: "bone", 2: "marrow"}`` and
@@ -223,7 +226,12 @@ def run_stages(
     if settings.goal.volume is not None:
         require_volume(built)
     progress("quality")
-    judgement = judge(built.mesh, choice.selection.predicted, comparison=built.comparison)
+    judgement = judge(
+        built.mesh,
+        choice.selection.predicted,
+        comparison=built.comparison,
+        checks=settings.quality.checks,
+    )
     remarks = reading.remarks
     if not isinstance(geometry, Image):
         remarks += orient(geometry, settings.sampling.orientation).remarks

@@ -120,6 +120,7 @@ class Report:
             f"volume {compare_volumes(facts)}",
             **self._placement(),
             "verdict": str(Judgement(self.elements, self.verdict)),
+            **self._not_run(),
         }
         return lines_of_reading(self.reading) | of_mesh | self._warnings() | self._remarks()
 
@@ -127,6 +128,14 @@ class Report:
         """Return a line on the placement of the grid, if the program chose it."""
         placed = self.facts.get("placement")
         return {"grid": str(Placement.from_dict(placed))} if placed else {}
+
+    def _not_run(self) -> dict[str, str]:
+        """Return a line on the programs that did not check the mesh because it is large."""
+        rows = self.verdict[self.verdict["id"].str.startswith("checks_by_")]
+        if rows.empty:
+            return {}
+        reason = rows["found"].iloc[0].removeprefix("not run: ")
+        return {"not run": f"{', '.join(rows['name'])}: {reason}"}
 
     def _remarks(self) -> dict[str, str]:
         """Return a line for each remark on the geometry."""

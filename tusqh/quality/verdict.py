@@ -18,6 +18,9 @@ from tusqh.quality.surface import judge_surface
 from tusqh.simulate.components import count_matrix_components
 from tusqh.topology.betti_numbers import BettiNumbers
 
+#: Programs that give a second opinion.
+_OTHERS = ("VTK", "MFEM", "pymeshlab")
+
 #: Largest share of the area or volume that may be covered twice.
 _OVERLAP = 1e-9
 
@@ -49,6 +52,33 @@ def judge_mesh(
         The checks of `tusqh.meshes.measure.Measurement`, followed by the others if all of these
         hold.
     """
+    own = judge_alone(mesh, predicted, scheme=scheme)
+    if not mesh.measurement.is_sound:
+        return own
+    return [
+        *own,
+        _vtk_jacobian(element_metrics, scheme, mesh.dim),
+        _matrix_components(mesh, predicted),
+        *judge_surface(mesh, predicted),
+    ]
+
+
+def judge_alone(
+    mesh: VolumeMesh,
+    predicted: BettiNumbers,
+    skipped: str = "",
+    *,
+    scheme: Scheme = PINCH_TEMPLATES,
+) -> list[Check]:
+    """Return the checks that need no other program.
+
+    Parameters
+    ----------
+    mesh, predicted, scheme
+        See `judge_mesh`.
+    skipped
+        Why the checks by other programs are not run; empty: they have no rows.
+    """
     measured = mesh.measurement
     if not measured.is_sound:
         return list(measured.checks)
@@ -65,11 +95,20 @@ def judge_mesh(
             scheme,
             dim=mesh.dim,
         ),
-        _vtk_jacobian(element_metrics, scheme, mesh.dim),
         _overlap(mesh),
-        _matrix_components(mesh, predicted),
-        *judge_surface(mesh, predicted),
+        *(_not_run(program, skipped) for program in _OTHERS if skipped),
     ]
+
+
+def _not_run(program: str, reason: str) -> Check:
+    """Return a row that says why a program did not check a mesh."""
+    return Check(
+        id=f"checks_by_{program.lower()}",
+        name=f"checks by {program}",
+        found=f"not run: {reason}",
+        required="the same result",
+        holds=None,
+    )
 
 
 def to_table(checks: Sequence[Check]) -> pd.DataFrame:

@@ -3,6 +3,8 @@ rule quality:
         **files("mesh", "facts"),
     output:
         **shown("elements", "verdict"),
+    params:
+        quality=settings_of("quality"),
     priority: MODELS_FIRST
     script:
         "../scripts/quality.py"

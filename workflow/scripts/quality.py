@@ -12,7 +12,9 @@ with recorded(snakemake) as log:
     mesh = read_vtu(Path(snakemake.input.mesh), name=snakemake.wildcards.model)
     facts = json.loads(Path(snakemake.input.facts).read_text())
     comparison = [Check(**check) for check in facts["comparison"]]
-    judgement = judge(mesh, BettiNumbers(*facts["betti_predicted"]), comparison=comparison)
+    predicted = BettiNumbers(*facts["betti_predicted"])
+    checks = snakemake.params.quality.get("checks")
+    judgement = judge(mesh, predicted, comparison=comparison, checks=checks)
     log.info("%s", judgement)
     write_csv(Path(snakemake.output.elements), judgement.elements)
     write_csv(Path(snakemake.output.verdict), judgement.verdict)
