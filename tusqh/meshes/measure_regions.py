@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numba
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
@@ -103,7 +104,7 @@ def measure_regions(mesh: ElementMesh, region: IntArray, n_regions: int) -> list
     >>> [(str(part.by_euler), part.volume) for part in found]
     [('(2, 0, 0)', 2.0), ('(2, 0, 0)', 2.0)]
     """
-    cells, of_point = separate(mesh.cells, region, n_regions)
+    cells, of_point = separate(mesh.cells, region)
     facets = find_facets(cells)
 
     def count(regions: IntArray) -> IntArray:
@@ -129,8 +130,8 @@ def measure_regions(mesh: ElementMesh, region: IntArray, n_regions: int) -> list
     ]
 
 
-def separate(cells: IntArray, region: IntArray, n_regions: int) -> tuple[IntArray, IntArray]:
-    """Return elements with a copy of every point for each region at it, and the points' regions.
+def separate(cells: IntArray, region: IntArray) -> tuple[IntArray, IntArray]:
+    """Return elements with a copy of every point for each region at it, and the copies' regions.
 
     Parameters
     ----------
@@ -138,8 +139,6 @@ def separate(cells: IntArray, region: IntArray, n_regions: int) -> tuple[IntArra
         Corners of every element, shape (m, 2**dim).
     region
         Region of every element, shape (m,).
-    n_regions
-        Number of regions.
 
     Returns
     -------
@@ -147,10 +146,37 @@ def separate(cells: IntArray, region: IntArray, n_regions: int) -> tuple[IntArra
         Corners by number of the copies, shape (m, 2**dim).
     of_point
         Region of every copy, shape (n_copies,).
+
+    Examples
+    --------
+    >>> cells, of_point = separate(np.array([[0, 2, 3, 1], [2, 4, 5, 3]]), np.array([7, 8]))
+    >>> cells.tolist(), of_point.tolist()
+    ([[0, 1, 2, 3], [4, 5, 6, 7]], [7, 7, 7, 7, 8, 8, 8, 8])
     """
-    keys = cells * n_regions + region[:, None]
-    copies, number = np.unique(keys, return_inverse=True)
-    return number.reshape(cells.shape).astype(np.int64), copies % n_regions
+    separated = np.empty(cells.shape, dtype=np.int64)
+    of_point = _separate(cells, region.astype(np.int64), int(cells.max(initial=-1)) + 1, separated)
+    return separated, np.asarray(of_point)
+
+
+@numba.njit(cache=True)
+def _separate(cells, region, n_points, separated):  # type: ignore[no-untyped-def]
+    """Fill in the copies at corners; those of a point are a linked list from its last one."""
+    last = np.full(n_points, -1, dtype=np.int64)
+    before = np.empty(cells.size, dtype=np.int64)
+    of_copy = np.empty(cells.size, dtype=np.int64)
+    n = 0
+    for e in range(len(cells)):
+        for c in range(cells.shape[1]):
+            point = cells[e, c]
+            copy = last[point]
+            while copy >= 0 and of_copy[copy] != region[e]:
+                copy = before[copy]
+            if copy < 0:
+                copy = n
+                before[copy], of_copy[copy], last[point] = last[point], region[e], copy
+                n += 1
+            separated[e, c] = copy
+    return of_copy[:n].copy()
 
 
 def _by_euler(cells: IntArray, facets: Facets, of_point: IntArray, count: Count) -> IntArray:
