@@ -52,7 +52,8 @@ def add_model(
     name
         The name of the model.
     model
-        Its settings; those that are not the defaults, and the grid, become its block.
+        Its settings, with one geometry file; those that are not the defaults, and the grid, become
+        its block.
     licence, origin, url
         The licence and the origin of the file, for the register.
 
@@ -73,9 +74,10 @@ def add_model(
         A file cannot be written.
     """
     root = config_file.resolve().parent.parent
-    source = locate(model.geometry)
-    defects = describe_geometry(ingest(model.geometry, image=model.settings.image.to_dict()))
-    file = _file_in(root, name, model.geometry, source)
+    (geometry,) = model.files
+    source = locate(geometry)
+    defects = describe_geometry(ingest(geometry, image=model.settings.image.to_dict()))
+    file = _file_in(root, name, geometry, source)
     entry = _to_entry(replace(model, geometry=file))
     before = read_yaml(config_file)
     _require_new(before.get("models", {}), name, entry, where=str(config_file))

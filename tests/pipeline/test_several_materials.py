@@ -111,7 +111,7 @@ WRONG = [
     (LABELS, {"materials": {3: "a"}}, SamplingError, "no voxel with the labels \\[3\\]"),
     (LABELS, {"materials": {"a": 0.5}}, ConfigError, "no material 'a'"),
     (LABELS, {"materials": {"1": 1.5}}, ConfigError, "found 1.5"),
-    (LABELS, {"materials": "labels"}, ConfigError, "found 'labels'"),
+    (LABELS, {"materials": "cells"}, ConfigError, "found 'cells'"),
     (LABELS, {"materials": {}, "threshold": 0.4}, ConfigError, "goal together with several"),
     (LABELS, {"materials": {}, "rule": "clamped"}, ConfigError, "rule together with several"),
     (LABELS * 0.5, {"materials": {}}, GeometryError, "2 of 4 voxels are no whole numbers"),

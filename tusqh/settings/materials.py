@@ -79,12 +79,12 @@ def to_materials(given: Materials) -> tuple[Material, ...]:
     given
         A list of `Material` or of mappings with its keys; or a mapping from labels (integers) to
         names, or from names to a threshold, to Betti numbers, or to a mapping with those keys;
-        ``"parts"`` for every part of the geometry.
+        ``"parts"`` for every part of the geometry; ``"labels"`` for every label of an image.
 
     Returns
     -------
     materials
-        In the given order; none for ``"parts"``.
+        In the given order; none for ``"parts"`` and ``"labels"``.
 
     Raises
     ------
@@ -99,9 +99,9 @@ def to_materials(given: Materials) -> tuple[Material, ...]:
     [{'name': 'ring', 'threshold': 0.4}, {'name': 'ball', 'target': {'betti_0': 1, 'betti_1': 0}}]
     """
     if isinstance(given, str):
-        if given == "parts":
+        if given in ("parts", "labels"):
             return ()
-        raise refuse("materials", f"found {given!r}", "`parts`, a list or a mapping")
+        raise refuse("materials", f"found {given!r}", "`parts`, `labels`, a list or a mapping")
     entries: Iterable[Any] = given
     if isinstance(given, Mapping):
         entries = [_from_pair(key, value) for key, value in given.items()]

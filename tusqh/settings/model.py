@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 from tusqh.settings.field import setting
 from tusqh.settings.goal import Goal
 from tusqh.settings.grid import Grid, Window
+from tusqh.settings.materials import Material, find_repeated
 from tusqh.settings.policy import Policy
 from tusqh.settings.quality import Quality
 from tusqh.settings.sampling import Sampling
 from tusqh.settings.section import Section
 from tusqh.settings.simulation import Simulation
+from tusqh.settings.validate import Path
 from tusqh.settings.voxels import Voxels
 
 
@@ -60,12 +63,31 @@ class Settings(Section):
 class Model(Section):
     """A model of the workflow: a block below `models` in the configuration."""
 
-    geometry: str = setting(
+    geometry: str | None = setting(
         "Geometry file, relative to the repository, or `package:NAME/FILE` inside an installed "
         "Python package. 2D: GeoJSON, shapefile, SVG, DXF or CSV (`x0,y0,x1,y1`); 3D: STL, OBJ, "
         "PLY, OFF, GLB, VTK, VTU, VTP; images: NPY, TIFF, NRRD. It is neither repaired nor "
         "snapped nor closed.",
+        default=None,
+        otherwise="required unless every material has a `source`",
         extra={"minLength": 1},
+    )
+    materials: Literal["parts", "labels"] | tuple[Material, ...] | None = setting(
+        "Mesh several materials: the `parts` of the geometry, the `labels` of an image, or a list; "
+        "where two overlap, the earlier one has priority.",
+        default=None,
+        otherwise="one material",
+    )
+    labels: Mapping[str, str] | None = setting(
+        "Names of the labels of an image, `{1: bone, 2: marrow}`, which is meshed as several "
+        "materials.",
+        default=None,
+        otherwise="none",
+    )
+    rest: str | None = setting(
+        "Name of the material that fills what the others leave of the grid or window.",
+        default=None,
+        otherwise="the rest is void",
     )
     unit: str = setting(
         "Unit of length in that file (`nm`, `um`, `mm`, `cm`, `dm`, `m`, `km`, `in`, `ft`, or "
@@ -85,6 +107,42 @@ class Model(Section):
     simulation: Simulation = setting(
         "The release of a contaminant, in 3D of heat, and its diffusion.", default=Simulation
     )
+
+    @property
+    def has_several_materials(self) -> bool:
+        """Whether it is meshed as several materials."""
+        return self.materials is not None or self.labels is not None
+
+    @property
+    def list_of_materials(self) -> tuple[Material, ...]:
+        """The materials for which something is given."""
+        listed = self.materials if isinstance(self.materials, tuple) else ()
+        named = [Material(name, label=int(label)) for label, name in (self.labels or {}).items()]
+        return (*named, *listed)
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        """The geometry files of the model and of its materials, each once."""
+        sources = [m.source for m in self.list_of_materials]
+        return tuple(dict.fromkeys(f for f in (self.geometry, *sources) if f is not None))
+
+    def find_contradictions(self) -> Iterator[tuple[Path, str, str]]:
+        """Yield a missing geometry, and names, labels or wishes that contradict each other."""
+        yield from super().find_contradictions()
+        if self.geometry is None and not self.files:
+            yield (), "the key 'geometry' is missing", "a geometry file"
+        for label in self.labels or {}:
+            if not label.lstrip("-").isdecimal():
+                yield ("labels", label), f"found {label!r}", "a whole number for each label"
+                return
+        listed = self.materials if isinstance(self.materials, tuple) else ()
+        for k, material in enumerate(listed):
+            for path, found, expected in material.find_contradictions():
+                yield ("materials", k, *path), found, expected
+        for path, found, expected in find_repeated(self.list_of_materials):
+            yield ("materials", *path), found, expected
+        if self.rest is not None and not self.has_several_materials:
+            yield ("rest",), f"found {self.rest!r}", "`materials` or `labels` beside it"
 
 
 @dataclass(frozen=True)

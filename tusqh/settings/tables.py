@@ -13,6 +13,7 @@ from tusqh.errors import ConfigError
 from tusqh.settings.field import Entry, entries_of
 from tusqh.settings.goal import Range, Target
 from tusqh.settings.grid import Grid, Window
+from tusqh.settings.materials import Material
 from tusqh.settings.model import Model, Study, Workflow
 from tusqh.settings.policy import Criteria
 from tusqh.settings.schema import schema_of
@@ -27,7 +28,19 @@ GUIDE = Path("config/README.md")
 #: Sections that have a table in the guide, by the names of their markers.
 _TABLES = {
     kind.__name__: kind
-    for kind in (Workflow, Model, Grid, Window, Voxels, Target, Range, Criteria, Simulation, Study)
+    for kind in (
+        Workflow,
+        Model,
+        Material,
+        Grid,
+        Window,
+        Voxels,
+        Target,
+        Range,
+        Criteria,
+        Simulation,
+        Study,
+    )
 }
 
 _HEAD = """\
