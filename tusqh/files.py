@@ -193,12 +193,34 @@ _MESH_TO_VERDICT = (
         "verification.csv",
         "the predicted and measured topology at every threshold of the sweep",
         _columns(
-            "model dimension grid threshold cells_kept elements pinch_clusters clusters_overruled",
+            "model material dimension grid threshold cells_kept elements",
+            "pinch_clusters clusters_overruled",
             "betti_0_predicted betti_1_predicted betti_2_predicted",
             "betti_0_measured betti_1_measured betti_2_measured",
             "manifold conforming min_scaled_jacobian holds",
         ),
     ),
+)
+
+_MATERIALS = (
+    ResultFile(
+        "materials",
+        "materials.csv",
+        "of several materials: the threshold, the volume and the topology of each",
+        _columns(
+            "material threshold elements volume volume_of_geometry",
+            "betti_0_predicted betti_1_predicted betti_2_predicted",
+            "betti_0_measured betti_1_measured betti_2_measured",
+            "manifold min_scaled_jacobian holds",
+        ),
+    ),
+    ResultFile(
+        "pairs",
+        "pairs.csv",
+        "of several materials: the overlap, the gap and the interface of every two",
+        _columns("first second overlap gap facets area"),
+    ),
+    ResultFile("figure_materials", "figures/materials.png", "the mesh, coloured by material"),
 )
 
 _USES = (
@@ -244,7 +266,8 @@ _FIGURES = (
 
 #: Every file of a model's results by name, in the order in which the workflow makes them.
 RESULT_FILES = {
-    file.name: file for file in (*_GEOMETRY_TO_SELECTION, *_MESH_TO_VERDICT, *_USES, *_FIGURES)
+    file.name: file
+    for file in (*_GEOMETRY_TO_SELECTION, *_MESH_TO_VERDICT, *_MATERIALS, *_USES, *_FIGURES)
 }
 
 #: Tables over all models, with their path below ``results``.

@@ -9,6 +9,8 @@ import trimesh
 from typer.testing import CliRunner
 
 from tusqh.cli.app import app
+from tusqh.meshes.export import read_vtu, write_vtu
+from tusqh.meshes.regions import Regions
 
 
 def test_a_file_of_labels(tmp_path):
@@ -51,8 +53,38 @@ def test_a_file_for_each_material(tmp_path):
     for wrong, message in (
         ([], "2 geometries"),
         (["--material", "core"], "found 'core'"),
-        (["--materials", "--results", str(tmp_path)], "--results together with several"),
     ):
         done = CliRunner().invoke(app, [*words, *wrong])
         assert done.exit_code != 0
         assert message in str(done.exception)
+
+
+def test_the_certificate_is_recomputed(tmp_path):
+    """`tusqh check` accepts what was written, and notices a changed material and certificate."""
+    image = np.zeros((8, 8, 8), dtype=np.uint8)
+    image[1:7, 1:7, 1:7] = 1
+    image[3:5, 3:5, 3:5] = 5
+    np.save(tmp_path / "core.npy", image)
+    words = ["mesh", str(tmp_path / "core.npy"), "--materials", "-o", str(tmp_path / "a.vtu")]
+    done = CliRunner().invoke(app, [*words, "--results", str(tmp_path / "out")])
+    assert done.exit_code == 0, done.output
+    mesh = tmp_path / "out/mesh.vtu"
+    done = CliRunner().invoke(app, ["check", str(mesh)])
+    assert done.exit_code == 0, done.output
+    for words in ("1: Betti numbers by boundary", "certificate: fractions"):
+        assert words in done.stdout
+    certificate = tmp_path / "out/certificate.json"
+    stored = json.loads(certificate.read_text())
+    assert stored["predicted"] == {"1": [1, 0, 1], "5": [1, 0, 0], "all": [1, 0, 0]}
+    stored["predicted"]["5"] = [2, 0, 0]
+    certificate.write_text(json.dumps(stored))
+    done = CliRunner().invoke(app, ["check", str(mesh)])
+    assert done.exit_code == 1
+    # Materials drawn at random for each element are no manifolds.
+    certificate.unlink()
+    found = read_vtu(mesh)
+    material = np.random.default_rng(0).integers(0, 2, found.n_cells)
+    write_vtu(mesh, found, regions=Regions(("1", "5", "void"), material))
+    done = CliRunner().invoke(app, ["check", str(mesh)])
+    assert done.exit_code == 1
+    assert "not suitable" in done.stdout

@@ -10,7 +10,10 @@ import typer
 from tusqh.cli.show import make_console, show
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from tusqh.meshes.checks import Check
+    from tusqh.meshes.volume_mesh import VolumeMesh
 
 
 def check(
@@ -25,7 +28,8 @@ def check(
 
     A certificate.json beside the mesh is recomputed as well: its digests, measurements and,
     where the fractions are there too, its predictions. With the geometry, the fractions, the place
-    of the grid and the warnings are recomputed; without it, the warnings are those recorded.
+    of the grid and the warnings are recomputed; without it, the warnings are those recorded. In a
+    mesh of several materials, each material is checked.
 
     Exit code 0: all holds; 1: something does not; 2: the file cannot be read.
 
@@ -33,26 +37,38 @@ def check(
 
     * `tusqh check results/chesapeake/mesh.vtu`
     """
-    from tusqh.certificate import FILE_NAME, check_certificate, read_predicted
-    from tusqh.meshes.export import read_vtu
-    from tusqh.pipeline.judge import judge
-    from tusqh.pipeline.recheck import recheck
+    from tusqh.certificate import FILE_NAME
+    from tusqh.meshes.export import read_regions, read_vtu
+    from tusqh.pipeline.materials.certificate import check_materials
+    from tusqh.quality.verdict import overall, to_table
 
     volume_mesh = read_vtu(mesh)
     certificate = mesh.parent / FILE_NAME
+    if read_regions(mesh) is None:
+        table = _check_single(mesh, volume_mesh, certificate, all_checks=all_checks)
+    else:
+        table = to_table(check_materials(mesh))
     measured = volume_mesh.measurement.by_euler
-    expected = read_predicted(certificate) if certificate.is_file() else measured
-    claims: list[Check] = []
-    if certificate.is_file():
-        claims += check_certificate(certificate, mesh, volume_mesh.measurement)
-        claims += recheck(certificate, volume_mesh)
-    checks: Literal["all"] | None = "all" if all_checks else None
-    judgement = judge(volume_mesh, expected, comparison=claims, checks=checks)
-    show(
-        judgement.verdict,
-        title=f"{mesh.name}: {volume_mesh.n_cells} elements, Betti numbers {measured}",
-    )
-    verdict = str(judgement)
+    show(table, title=f"{mesh.name}: {volume_mesh.n_cells} elements, Betti numbers {measured}")
+    verdict = overall(table)
     where = "" if certificate.is_file() else f" (there is no {FILE_NAME} in its folder)"
     make_console(markup=False, highlight=False).print(verdict + where)
     raise typer.Exit(0 if verdict.startswith("suitable") else 1)
+
+
+def _check_single(
+    path: Path, mesh: VolumeMesh, certificate: Path, *, all_checks: bool
+) -> pd.DataFrame:
+    """Return the checks of a mesh of one material, and of its certificate if it has one."""
+    from tusqh.certificate import check_certificate, read_predicted
+    from tusqh.pipeline.judge import judge
+    from tusqh.pipeline.recheck import recheck
+
+    claims: list[Check] = []
+    expected = mesh.measurement.by_euler
+    if certificate.is_file():
+        expected = read_predicted(certificate)
+        claims += check_certificate(certificate, path, mesh.measurement)
+        claims += recheck(certificate, mesh)
+    checks: Literal["all"] | None = "all" if all_checks else None
+    return judge(mesh, expected, comparison=claims, checks=checks).verdict

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,14 +20,32 @@ if TYPE_CHECKING:
     from tusqh.pipeline.materials.result import MaterialsResult
 
 
+@dataclass(frozen=True)
+class Written:
+    """What a command writes and prints.
+
+    Parameters
+    ----------
+    outputs
+        Mesh files to write.
+    results
+        Folder for everything that led to the mesh; None: none.
+    as_json
+        Print JSON instead of tables.
+    """
+
+    outputs: Sequence[Path]
+    results: Path | None
+    as_json: bool
+
+
 def mesh_and_show(
     sources: Sequence[str],
     wishes: Sequence[str],
     settings: Settings,
     *,
     rest: str | None,
-    outputs: list[Path],
-    as_json: bool,
+    written: Written,
 ) -> None:
     """Mesh several materials, write the mesh and print a row for each of them.
 
@@ -40,10 +59,8 @@ def mesh_and_show(
         The settings of the command line.
     rest
         Name of the material that fills what the others leave; None: that is void.
-    outputs
-        Mesh files to write.
-    as_json
-        Print JSON instead of tables.
+    written
+        What to write and print.
 
     Raises
     ------
@@ -59,12 +76,14 @@ def mesh_and_show(
     except TopologyError as error:
         report_error(str(error))
         raise typer.Exit(1) from None
-    for path in outputs:
+    if written.results is not None:
+        found.save(written.results)
+    for path in written.outputs:
         found.write(path)
-    if as_json:
+    if written.as_json:
         typer.echo(json.dumps(found.to_dict(), indent=2))
     else:
-        _show(found, outputs)
+        _show(found, [*written.outputs, *filter(None, [written.results])])
     if not found.is_as_predicted:
         raise typer.Exit(1)
 

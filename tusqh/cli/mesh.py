@@ -10,7 +10,7 @@ import typer
 from rich.table import Table
 
 from tusqh.cli import options
-from tusqh.cli.materials import mesh_and_show
+from tusqh.cli.materials import Written, mesh_and_show
 from tusqh.cli.progress import shown
 from tusqh.cli.show import make_console, report_error
 from tusqh.errors import ConfigError, OutputError, TopologyError
@@ -89,13 +89,17 @@ def mesh(
     outputs = output or [Path(stem + ".vtu")]
     _require_outputs(geometry, outputs, results)
     is_several = materials or bool(material) or rest is not None
-    if is_several and results is None:
-        mesh_and_show(
-            geometry, material or [], settings, rest=rest, outputs=outputs, as_json=as_json
-        )
+    if is_several:
+        written = Written(outputs, results, as_json=as_json)
+        mesh_and_show(geometry, material or [], settings, rest=rest, written=written)
         return
-    if is_several or len(geometry) > 1:
-        raise _misused(len(geometry), results)
+    if len(geometry) > 1:
+        raise ConfigError(
+            f"{len(geometry)} geometries",
+            where="tusqh mesh",
+            expected="one geometry, or --materials for one mesh of several materials",
+            remedy="add --materials, or mesh one after the other",
+        )
     from tusqh.pipeline.mesh import run_stages
 
     try:
@@ -116,23 +120,6 @@ def mesh(
     if not (report.is_met and report.is_suitable):
         raise typer.Exit(1)
     raise typer.Exit(3 if strict and report.has_warnings else 0)
-
-
-def _misused(n_files: int, results: Path | None) -> ConfigError:
-    """Return the error for several files without --materials, or for --results beside it."""
-    if results is not None:
-        return ConfigError(
-            "--results together with several materials",
-            where="tusqh mesh",
-            expected="mesh files with -o",
-            remedy="leave out --results; --json prints all tables",
-        )
-    return ConfigError(
-        f"{n_files} geometries",
-        where="tusqh mesh",
-        expected="one geometry, or --materials for one mesh of several materials",
-        remedy="add --materials, or mesh one after the other",
-    )
 
 
 def _require_outputs(geometries: list[str], outputs: list[Path], results: Path | None) -> None:

@@ -10,7 +10,7 @@ from tusqh.meshes.volume_mesh import VolumeMesh
 
 #: Required columns of results/tables/verification.csv.
 VERIFICATION_COLUMNS = (
-    ["model", "dimension", "grid", "threshold", "cells_kept", "elements"]
+    ["model", "material", "dimension", "grid", "threshold", "cells_kept", "elements"]
     + ["pinch_clusters", "clusters_overruled"]
     + [f"betti_{k}_{how}" for how in ("predicted", "measured") for k in range(3)]
     + ["manifold", "conforming", "min_scaled_jacobian", "holds"]
@@ -44,6 +44,7 @@ def verify_mesh(
     smallest = measured.smallest_scaled_jacobian
     return {
         "model": mesh.name,
+        "material": "all",
         "dimension": mesh.dim,
         "grid": grid,
         "threshold": cells.threshold,

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import json
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tusqh.atomic import replacing
 from tusqh.errors import SamplingError
@@ -35,6 +38,19 @@ def save_fractions(path: Path, fractions: VolumeFractions) -> None:
     }
     if fractions.placement is not None:
         arrays["placement"] = np.array(json.dumps(fractions.placement.to_dict()))
+    write_arrays(path, arrays)
+
+
+def write_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Write arrays as an npz file, whose bytes depend on them alone.
+
+    Parameters
+    ----------
+    path
+        The npz file.
+    arrays
+        The arrays by name.
+    """
     with replacing(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
         for name, array in arrays.items():
             # Like `numpy.savez_compressed`, whose headers, however, depend on the Python version.

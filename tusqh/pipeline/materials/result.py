@@ -7,19 +7,28 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
+from tusqh.atomic import write_text
 from tusqh.contacts import MaterialFractions, MaterialMesh
+from tusqh.contacts.fractions_file import save_materials
+from tusqh.contacts.material_fractions import FULL
 from tusqh.contacts.pairs import tabulate_pairs
+from tusqh.files import path_of
 from tusqh.geometry.remark import Remark
 from tusqh.grid import FloatArray
+from tusqh.hashing import canonical_json
+from tusqh.meshes.measure_regions import RegionMeasurement
 from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.pipeline.materials.certificate import make_certificate
+from tusqh.pipeline.materials.judge import ALL, judge_materials
+from tusqh.quality.verdict import to_table
+from tusqh.quality.verification import VERIFICATION_COLUMNS
+from tusqh.tables import write_csv
 from tusqh.topology.betti_numbers import BettiNumbers
 
 __all__ = ["MaterialsResult"]
-
-#: Name of the row of all materials together, without the void.
-ALL = "all"
 
 #: Columns of `MaterialsResult.materials`.
 MATERIAL_COLUMNS = (
@@ -81,11 +90,10 @@ class MaterialsResult:
         """
         volumes = self.fractions.volumes()
         volumes[ALL] = sum(volumes[name] for name in self.names[:-1])
-        measured = {**self.built.measured, ALL: self.built.measured_solid}
-        predicted = {**self.built.predicted, ALL: self.built.predicted_solid}
+        predicted = self._predicted
         is_sound = self.mesh.measurement.is_sound
         rows = []
-        for name, found in measured.items():
+        for name, found in self._measured.items():
             is_manifold = found.n_non_manifold == 0
             rows.append(
                 {
@@ -110,6 +118,39 @@ class MaterialsResult:
         See `tusqh.contacts.pairs.tabulate_pairs`.
         """
         return tabulate_pairs(self.built, self.fractions, self.overlaps)
+
+    @cached_property
+    def verdict(self) -> pd.DataFrame:
+        """Every check of the mesh and of its materials, see `tusqh.quality.verdict.to_table`."""
+        return to_table(judge_materials(self.mesh, self._measured, self._predicted))
+
+    @cached_property
+    def verification(self) -> pd.DataFrame:
+        """One row of the verification table for every material, and one for all of them.
+
+        The columns are those of `tusqh.quality.verification.VERIFICATION_COLUMNS`.
+        """
+        grid, kept = self.fractions.grid, self._count_cells()
+        table = self.materials.drop(columns=["volume", "volume_of_geometry"])
+        table["model"], table["dimension"], table["grid"] = self.mesh.name, grid.dim, grid.label
+        table["cells_kept"] = [kept[name] for name in table["material"]]
+        table["conforming"] = self.mesh.measurement.is_conforming
+        return table.reindex(columns=VERIFICATION_COLUMNS)
+
+    def _count_cells(self) -> dict[str, int]:
+        """Return the number of grid cells that every material wins, and all of them together."""
+        multiples = np.array([self.thresholds[name] * FULL for name in self.names])
+        labels = self.fractions.label_cells(np.maximum(np.rint(multiples), 1).astype(np.int64))
+        counts = np.bincount(labels.ravel(), minlength=len(self.names)).tolist()
+        return {**dict(zip(self.names, counts, strict=True)), ALL: sum(counts[:-1])}
+
+    @property
+    def _measured(self) -> dict[str, RegionMeasurement]:
+        return {**self.built.measured, ALL: self.built.measured_solid}
+
+    @property
+    def _predicted(self) -> dict[str, BettiNumbers]:
+        return {**self.built.predicted, ALL: self.built.predicted_solid}
 
     @property
     def is_as_predicted(self) -> bool:
@@ -141,6 +182,25 @@ class MaterialsResult:
             The suffix names no format.
         """
         self.built.write(Path(path))
+
+    def save(self, folder: Path | str) -> None:
+        """Write the mesh, the fractions, all tables and the certificate into a folder.
+
+        `tusqh check FOLDER/mesh.vtu` then recomputes the certificate.
+
+        Parameters
+        ----------
+        folder
+            Folder to write to; it is created if it does not exist.
+        """
+        folder = Path(folder)
+        self.write(path_of("mesh", folder))
+        save_materials(path_of("fractions", folder), self.fractions)
+        for name in ("materials", "pairs", "verdict", "verification"):
+            write_csv(path_of(name, folder), getattr(self, name))
+        files = path_of("mesh", folder), path_of("fractions", folder)
+        certificate = make_certificate(*files, self.thresholds, name=self.mesh.name)
+        write_text(path_of("certificate", folder), canonical_json(certificate))
 
     def __repr__(self) -> str:
         return f"mesh of {self.mesh.name}\n{self.materials.to_string(index=False)}"
