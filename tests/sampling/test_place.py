@@ -18,6 +18,7 @@ from tusqh.sampling.io import load_fractions, save_fractions
 from tusqh.sampling.layout import lay_grid
 from tusqh.sampling.place import _count, move_grid, place_grid
 from tusqh.sampling.placement import Placement
+from tusqh.sampling.reference import find_reference
 from tusqh.settings.grid import Grid, Window
 from tusqh.settings.sampling import Sampling
 
@@ -157,10 +158,24 @@ def test_a_grid_that_cannot_be_moved_says_why(square):
     image = sample(tusqh.Image(np.ones((4, 4, 4))), grid=Grid(cells=4))
     assert str(image.placement) == "at the corner: its cells are whole voxels"
     frame = Outline.from_chains([0.3 * square.points[[0, 1, 2, 3, 0]], square.points + 0.0])
-    grid = lay_grid(frame, None, cells=5)
-    same, placement = place_grid(frame, grid, 1.0, sampling=Sampling(domain="outside"))
-    assert same is grid
+    fractions = sample_fractions(frame, lay_grid(frame, None, cells=5))
+    same, placement = place_grid(frame, fractions, 1.0, sampling=Sampling(domain="outside"))
+    assert same is fractions.grid
     assert "without a window" in str(placement)
+
+
+def test_the_volume_of_an_open_surface_hardly_depends_on_the_lattice(monkeypatch):
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    ball.update_faces(np.arange(len(ball.faces)) > 12)
+    ball, window = solid(ball), ((-0.9, -0.8, -1.0), (1.0, 0.9, 0.7))
+    fractions = sample_fractions(ball, lay_grid(ball, None, cells=20))
+    for settings in (Sampling(), Sampling(domain="outside")):
+        volumes = []
+        for n_samples in (2**23, 2**17, 2**14):  # Finer than, like, and coarser than the fractions.
+            monkeypatch.setattr("tusqh.sampling.reference._SAMPLES", n_samples)
+            found = find_reference(ball, fractions, sampling=settings, window=window)
+            volumes.append(found.volume)
+        assert volumes == pytest.approx([volumes[0]] * 3, rel=0.03)
 
 
 def test_a_window_stays_the_end_of_the_material(square):

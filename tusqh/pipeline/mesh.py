@@ -202,8 +202,7 @@ def run_stages(
         settings.quality,
         settings.goal.threshold,
     )
-    fractions = original.sample(progress)
-    reference = original.reference(fractions)
+    fractions, reference = original.sample_with_reference(progress)
     progress("persistence")
     found = find_persistence(fractions, name=name)
     choice = select(

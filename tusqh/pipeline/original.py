@@ -9,7 +9,7 @@ from typing import Any
 from tusqh.antialias.resolve import Resolved
 from tusqh.geometry.kinds import Geometry
 from tusqh.meshes.checks import Check
-from tusqh.pipeline.sample import sample
+from tusqh.pipeline.sample import sample_with_reference
 from tusqh.progress import Progress, log_progress
 from tusqh.quality.comparison import compare_with_geometry
 from tusqh.sampling.fractions import VolumeFractions
@@ -81,7 +81,19 @@ class Original:
         progress
             Shows how many samples have been taken.
         """
-        return sample(
+        return self.sample_with_reference(progress)[0]
+
+    def sample_with_reference(
+        self, progress: Progress = log_progress
+    ) -> tuple[VolumeFractions, Reference]:
+        """Return the volume fractions of the geometry and the volume that the mesh should have.
+
+        Parameters
+        ----------
+        progress
+            Shows how many samples have been taken.
+        """
+        fractions, reference = sample_with_reference(
             self.geometry,
             grid=self.grid,
             sampling=self.sampling,
@@ -89,6 +101,7 @@ class Original:
             threshold=self.threshold,
             progress=progress,
         )
+        return fractions, reference or self.reference(fractions)
 
     def reference(self, fractions: VolumeFractions) -> Reference:
         """Return the volume that the mesh should have.

@@ -12,7 +12,7 @@ from tusqh.sampling.layout import lay_grid
 from tusqh.sampling.orient import orient
 from tusqh.sampling.place import place_grid
 from tusqh.sampling.placement import Placement
-from tusqh.sampling.reference import find_reference
+from tusqh.sampling.reference import Reference, find_reference
 from tusqh.sampling.voxels import lay_on_voxels, voxel_fractions
 from tusqh.settings.grid import Grid, Window
 from tusqh.settings.sampling import Sampling
@@ -54,6 +54,39 @@ def sample(
     SamplingError
         Grid, window and geometry do not match, or nothing is inside.
     """
+    return sample_with_reference(
+        geometry,
+        grid=grid,
+        sampling=sampling,
+        window=window,
+        threshold=threshold,
+        progress=progress,
+    )[0]
+
+
+def sample_with_reference(
+    geometry: Geometry,
+    *,
+    grid: Grid,
+    sampling: Sampling | None = None,
+    window: Window | None = None,
+    threshold: float | None = None,
+    progress: Progress = log_progress,
+) -> tuple[VolumeFractions, Reference | None]:
+    """Return the volume fractions of a geometry, and its volume on that grid if it was needed.
+
+    Parameters
+    ----------
+    geometry, grid, sampling, window, threshold, progress
+        See `sample`.
+
+    Returns
+    -------
+    fractions
+        The volume fractions.
+    reference
+        The volume that the mesh should have; None if it was not needed to place the grid.
+    """
     sampling = sampling or Sampling()
     box = None if window is None else window.box
     is_auto = grid.placement == "auto"
@@ -61,7 +94,7 @@ def sample(
         voxel_grid = lay_on_voxels(geometry, box, cells=grid.cells, cell_size=grid.cell_size)
         fractions = voxel_fractions(geometry, voxel_grid, domain=sampling.domain, window=box)
         stays = Placement((0, 0, 0), fractions.samples, reason="its cells are whole voxels")
-        return replace(fractions, placement=stays if is_auto else None)
+        return replace(fractions, placement=stays if is_auto else None), None
     oriented = orient(geometry, sampling.orientation).geometry
     background_grid = lay_grid(geometry, box, cells=grid.cells, cell_size=grid.cell_size)
     require_memory(background_grid, "meshing", name=geometry.name)
@@ -69,12 +102,12 @@ def sample(
         oriented, background_grid, sampling=sampling, window=box, progress=progress("samples")
     )
     if not is_auto:
-        return fractions
+        return fractions, None
     progress("placement")
     reference = find_reference(geometry, fractions, sampling=sampling, window=box)
     placed, placement = place_grid(
         oriented,
-        background_grid,
+        fractions,
         reference.volume,
         sampling=sampling,
         window=box,
@@ -84,4 +117,5 @@ def sample(
         fractions = sample_fractions(
             oriented, placed, sampling=sampling, window=box, progress=progress("samples")
         )
-    return replace(fractions, placement=placement)
+    of_grid = None if placement.is_moved else reference
+    return replace(fractions, placement=placement), of_grid

@@ -8,7 +8,7 @@ are moving averages over it.  One pass counts the cells that a threshold keeps f
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
@@ -18,7 +18,7 @@ from tusqh.grid import BackgroundGrid, FloatArray, IntArray
 from tusqh.sampling.closing import close
 from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.field import CrossingField
-from tusqh.sampling.fractions import SAMPLES_AT_A_TIME
+from tusqh.sampling.fractions import SAMPLES_AT_A_TIME, VolumeFractions
 from tusqh.sampling.lattice import Box, Lattice
 from tusqh.sampling.placement import Placement
 from tusqh.settings.sampling import Sampling
@@ -55,7 +55,7 @@ class _Counts:
 
 def place_grid(
     geometry: Surface,
-    grid: BackgroundGrid,
+    fractions: VolumeFractions,
     volume: float,
     *,
     sampling: Sampling,
@@ -64,19 +64,19 @@ def place_grid(
 ) -> tuple[BackgroundGrid, Placement]:
     """Return the placement of the grid whose kept cells best match the volume of the geometry.
 
-    The grid stays where it is if its volume error is at most 1 %.  Otherwise the placements that
-    differ by whole samples are compared, and the one with the least error is chosen; errors that
-    differ by less than 0.1 % are equal.  Ties go to the placement with the fewest cells near the
-    threshold, then to the one that moves along the fewest axes.  A placement is allowed only if its
-    error at the threshold does not exceed that of the given grid, it keeps some cells, and it loses
-    no more walls than the corner does.
+    The grid stays where it is if its volume error is at most 1 %; then no other placement is
+    tried.  Otherwise the placements that differ by whole samples are compared, and the one with the
+    least error is chosen; errors that differ by less than 0.1 % are equal.  Ties go to the
+    placement with the fewest cells near the threshold, then to the one that moves along the fewest
+    axes.  A placement is allowed only if its error at the threshold does not exceed that of the
+    given grid, it keeps some cells, and it loses no more walls than the corner does.
 
     Parameters
     ----------
     geometry
         The geometry, its parts turned.
-    grid
-        The grid at the corner of the box.
+    fractions
+        Its volume fractions on the grid at the corner of the box.
     volume
         The volume that the kept cells should have, in model units.
     sampling
@@ -93,10 +93,16 @@ def place_grid(
     placement
         How far it was moved and how that changes the volume.
     """
-    stays = Placement((0,) * grid.dim, sampling.samples, threshold=threshold)
+    grid = fractions.grid
+    stays = Placement((0,) * grid.dim, sampling.samples, 1, threshold, volume)
     reason = _find_obstacle(volume, sampling, window)
     if reason:
         return grid, Placement(stays.moved, stays.samples, reason=reason)
+    levels = _levels(threshold, sampling.samples**grid.dim)
+    kept = np.array([(fractions.cells >= level).sum() for level in levels])
+    error = float(np.abs(kept * grid.cell_size**grid.dim / volume - 1).max())
+    if error <= _GOOD:
+        return grid, replace(stays, error=error, corner_error=error)
     counts = _count(geometry, grid, sampling, window, threshold)
     errors = np.abs(counts.kept * grid.cell_size**grid.dim / volume - 1)
     robust = errors.max(axis=0)
@@ -190,8 +196,7 @@ def _count(
     counts = _Counts(
         np.zeros((3, *shape), dtype=np.int64), np.zeros(shape, dtype=np.int64), np.zeros(shape)
     )
-    least = 0.5 / np.prod(shape)
-    levels = threshold + np.array([-least, -RESOLUTION, least])
+    levels = _levels(threshold, int(np.prod(shape)))
     n_places = int(single.n_blocks[0]) - shape[0] + 1
     step = max(shape[0], SAMPLES_AT_A_TIME // int(single.n_blocks[1] * single.n_blocks[2]))
     for begin in range(0, n_places, step):
@@ -203,6 +208,12 @@ def _count(
             values = _moving_mean(values, axis, width)
         _tally(values, first, begin, end, levels, counts.kept, counts.near, counts.lost)
     return counts
+
+
+def _levels(threshold: float, n_samples: int) -> FloatArray:
+    """Return levels a little below, at and a little above a threshold, for rounded fractions."""
+    least = 0.5 / n_samples
+    return threshold + np.array([-least, -RESOLUTION, least])
 
 
 def _sign(field: CrossingField, lattice: Lattice, sampling: Sampling) -> int:

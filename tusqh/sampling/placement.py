@@ -18,7 +18,7 @@ class Placement:
     samples
         Samples along each side of a cell.
     tried
-        Number of placements that were tried; 0 if the grid cannot be moved.
+        Number of placements that were tried; 0 if the grid cannot be moved, 1 if it need not be.
     threshold
         The threshold at which volumes were compared.
     reference_volume
@@ -70,7 +70,8 @@ class Placement:
         if self.reason:
             return f"at the corner: {self.reason}"
         if not self.is_moved:
-            return f"at the corner: volume error {_percent(self.error)}, {self.tried} places tried"
+            tried = f", {self.tried} places tried" if self.tried > 1 else ""
+            return f"at the corner: volume error {_percent(self.error)}{tried}"
         moved = ", ".join(str(Fraction(step, self.samples)) for step in self.moved)
         return (
             f"moved by ({moved}) of a cell: volume error {_percent(self.error)} rather than "

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 
+import numba
 import numpy as np
 
 from tusqh.geometry.image import Image
@@ -17,7 +19,7 @@ from tusqh.sampling.lattice import Box, Lattice
 from tusqh.sampling.orient import orient
 from tusqh.settings.sampling import Sampling
 
-#: Approximate number of samples in the finer lattice, and the most along a side of a cell.
+#: Approximate number of samples, and the most along a side of a cell.
 _SAMPLES, _FINEST = 2**23, 16
 
 #: Largest deviation of a winding number from 0 or 1 that counts as rounding.
@@ -64,8 +66,8 @@ def find_reference(
 
     The volume is exact for a closed surface that covers no point twice and lies in the window.
     Otherwise it comes from the number of samples with a winding number of at least 1/2, on a
-    lattice that is finer than that of the fractions if the grid is small.  For images it is the sum
-    of the fractions.
+    lattice of about 8 million samples, finer or coarser than that of the fractions.  For images it
+    is the sum of the fractions.
 
     Parameters
     ----------
@@ -91,8 +93,7 @@ def find_reference(
         return Reference(max(fractions.volume(), 0.0), "the grey values of the image")
     geometry = orient(geometry, sampling.orientation).geometry
     grid = fractions.grid
-    samples = _samples_along(grid, fractions.samples)
-    lattice = Lattice.over_grid(grid, samples, window).of_samples()
+    lattice = _lattice(grid, fractions.samples, window)
     cycle, cap = close(geometry)
     winding = CrossingField(cycle, cap, max(sampling.tolerance, 1e-4))
     counted = _count(winding, lattice)
@@ -100,7 +101,7 @@ def find_reference(
     sign = -1 if counted.is_flipped(sampling) else 1
     outwards = geometry if sign > 0 else _reversed(geometry)
     what = "area" if grid.dim == 2 else "volume"
-    size = (grid.cell_size / samples) ** grid.dim
+    size = lattice.step**grid.dim
     if len(cap) == 0 and counted.is_simple(sign) and _lies_in(geometry, grid, window):
         exact = sign * signed_volume(geometry)
         of_window = _volume_of_window(grid, window)
@@ -168,13 +169,23 @@ def _count(field: CrossingField, lattice: Lattice) -> _Counted:
     total = lowest = highest = 0.0
     for begin in range(0, n, per_slab):
         slab = field.sums(lattice, begin, min(begin + per_slab, n))
-        n_above += int((slab >= 0.5).sum())
-        n_below += int((slab <= -0.5).sum())
-        n_between += int((np.abs(np.abs(slab) - 0.5) < 0.25).sum())
+        above, below, between = _tally(slab)
+        n_above, n_below, n_between = n_above + above, n_below + below, n_between + between
         total += float(slab.sum())
         lowest, highest = min(lowest, float(slab.min())), max(highest, float(slab.max()))
     n_samples = int(np.prod(lattice.last - lattice.first))
     return _Counted(total, lowest, highest, n_above, n_below, n_between, n_samples)
+
+
+@numba.njit(cache=True)
+def _tally(values):  # type: ignore[no-untyped-def]
+    """Count winding numbers of at least 1/2, of at most -1/2, and between 1/4 and 3/4 in size."""
+    above = below = between = 0
+    for value in values.ravel():
+        above += value >= 0.5
+        below += value <= -0.5
+        between += abs(abs(value) - 0.5) < 0.25
+    return above, below, between
 
 
 def _reversed(geometry: Surface) -> Surface:
@@ -184,10 +195,18 @@ def _reversed(geometry: Surface) -> Surface:
     return replace(geometry, triangles=geometry.triangles[:, ::-1])
 
 
-def _samples_along(grid: BackgroundGrid, samples: int) -> int:
-    """Return the number of samples along a side of a cell in the finer lattice, which is even."""
-    finer = int((_SAMPLES / grid.n_cells) ** (1 / grid.dim)) // 2 * 2
-    return max(samples, min(finer, _FINEST))
+def _lattice(grid: BackgroundGrid, samples: int, window: Box | None) -> Lattice:
+    """Return the lattice on which a volume is counted, with one half-block for each sample."""
+    per_cell = (_SAMPLES / grid.n_cells) ** (1 / grid.dim)
+    n_joined = math.floor(samples / per_cell)  # Cells of the grid along a coarse cell.
+    if n_joined <= 1:
+        along = max(samples, min(int(per_cell) // 2 * 2, _FINEST))
+        return Lattice.over_grid(grid, along, window).of_samples()
+    shape = tuple(-(-n // n_joined) for n in grid.shape)
+    coarse = BackgroundGrid(shape, grid.cell_size * n_joined, grid.origin)
+    low, high = _box(grid, window)
+    box = tuple(low.tolist()), tuple(high.tolist())
+    return Lattice.over_grid(coarse, samples, box).of_samples()
 
 
 def _lies_in(geometry: Surface, grid: BackgroundGrid, window: Box | None) -> bool:

@@ -80,7 +80,9 @@ def assemble(mesh: VolumeMesh, *, refinements: int = 0, order: int = 1) -> Opera
         form.Assemble()
         form.Finalize()
     points = np.array(native.GetVertexArray(), dtype=np.float64).reshape(native.GetNV(), -1)
-    cells = np.array([native.GetElementVertices(e) for e in range(native.GetNE())])
+    cells = mesh.cells
+    if refinements:
+        cells = np.array([native.GetElementVertices(e) for e in range(native.GetNE())])
     return Operators(
         mass=_to_sparse(mass.SpMat()),
         stiffness=_to_sparse(stiffness.SpMat()),
