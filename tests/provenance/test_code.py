@@ -83,7 +83,7 @@ for node in ast.parse(Path(sys.argv[1]).read_text()).body:
         importlib.import_module(node.module)
 print(*[m.__file__ for n, m in sys.modules.items() if n.split(".")[0] == "tusqh" and m.__file__])
 """
-    for script in ("mesh", "figure_panels", "explorer"):
+    for script in ("mesh", "figures_of_solid", "explorer"):
         name = f"workflow/scripts/{script}.py"
         command = [sys.executable, "-c", program, str(repository / name)]
         loaded = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()

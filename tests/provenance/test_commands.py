@@ -39,7 +39,7 @@ def test_verify_says_same_different_and_cannot_tell(project, run):
     project.flip(FIGURE)
     code, text = run("verify")
     assert code == 1
-    assert f"different: {FIGURE} (plate/figure_diagram)" in text
+    assert f"different: {FIGURE} (plate/figures_of_topology)" in text
     assert f"--force -- {FIGURE}" in text
     shutil.rmtree(project / "results/provenance")
     code, text = run("verify")
@@ -77,7 +77,8 @@ def test_lock_refuses_what_is_not_as_recorded_and_says_what_changed(project, run
 def test_trace_leads_to_the_register(run):
     code, text = run("trace", FIGURE, options=False)
     assert code == 0
-    for part in ("plate/figure_diagram", "plate/sample", "data_sources/plate.svg", "BSD-3-Clause"):
+    steps = ("plate/figures_of_topology", "plate/sample")
+    for part in (*steps, "data_sources/plate.svg", "BSD-3-Clause"):
         assert part in text
 
 

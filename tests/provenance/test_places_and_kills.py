@@ -129,10 +129,10 @@ def test_one_models_entry_reruns_that_models_steps(checkout):
 
 
 def test_a_figures_script_reruns_that_figure_and_what_shows_it(checkout):
-    script = "workflow/scripts/figure_contaminant.py"
+    script = "workflow/scripts/figures_of_outline.py"
     checkout.edit(script, "import pandas as pd", "import pandas as pd\n\n_SCALE = 1")
     jobs = jobs_of(dry_run(checkout))
-    assert {job for job in jobs if job[1]} == {("figure_contaminant", "plate")}
+    assert {job for job in jobs if job[1]} == {("figures_of_outline", "plate")}
     assert {rule for rule, model in jobs if not model} <= {"overview", "crate", "all"}
 
 

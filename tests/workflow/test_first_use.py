@@ -82,7 +82,7 @@ def test_models_can_be_made_without_the_studies_and_come_first(repository, elsew
     assert code == 0, said
     steps = set(re.findall(r"^(?:local)?rule (\w+):", said, re.MULTILINE))
     assert {"mesh", "quality", "explorer", "export"} <= steps
-    assert not {"theorem_plane", "placements", "overview", "figure_curves", "claims"} & steps
+    assert not {"theorem_plane", "placements", "overview", "figures_of_topology", "claims"} & steps
     jobs = dict(re.findall(r"^rule (\w+):\n((?: .*\n)+)", said, re.MULTILINE))
     assert "priority: 1" in jobs["mesh"]
     code, said = snakemake(elsewhere, *options)

@@ -53,5 +53,5 @@ def test_no_step_after_ingest_runs_a_reader(repository):
         readers = {f for f in code_files(name, base=repository) if "tusqh/readers/" in f}
         formats = {f for f in readers if f.removeprefix("tusqh/readers/") in ("svg.py", "stl.py")}
         assert not formats, script.name
-        if script.name in ("sample.py", "select.py", "mesh.py", "figure_field.py", "sweep.py"):
+        if script.stem in ("sample", "select", "mesh", "figures_of_outline", "sweep"):
             assert not readers, script.name

@@ -230,46 +230,56 @@ def add_far(pieces, blocks, nodes, far, values, is_single):  # type: ignore[no-u
     is_single
         Whether single precision suffices.
     """
-    lowest, size = blocks.lowest, blocks.size
+    for r in numba.prange(len(values)):
+        chosen = far.pieces[far.start[r] : far.start[r + 1]]
+        if len(chosen):
+            _add_far_to_block(
+                pieces, blocks.lowest[r], blocks.size, nodes, chosen, values[r], is_single
+            )
+
+
+# The bodies of both loops are compiled on their own: inside `prange` that takes numba much longer.
+@numba.njit(cache=True, error_model="numpy")
+def _add_far_to_block(  # type: ignore[no-untyped-def]
+    pieces, lowest, size, nodes, chosen, values, is_single
+):
     at_x, at_y, at_z = nodes.x, nodes.y, nodes.z
     surface, inside, fill = nodes.surface, nodes.inside, nodes.fill
-    n = values.shape[1]
     n_y, n_z = len(at_y), len(at_z)
     radius = 0.5 * size[0] * np.sqrt(3.0 if n_y > 1 else 2.0)
     clearance = FAR * size[0] - radius
-    for r in numba.prange(len(values)):
-        chosen = far.pieces[far.start[r] : far.start[r + 1]]
-        if len(chosen) == 0:
-            continue
-        is_filled = len(chosen) >= _MANY
-        n_points = len(surface) if is_filled else n
-        points = np.empty((3, n_points))
+    is_filled = len(chosen) >= _MANY
+    n_points = len(surface) if is_filled else len(values)
+    c_x, c_y, c_z = lowest[0] + 0.5 * size[0], lowest[1] + 0.5 * size[1], lowest[2] + 0.5 * size[2]
+    points = np.empty((3, n_points))
+    for k in range(n_points):
+        node = surface[k] if is_filled else k
+        points[0, k] = (at_x[node // (n_y * n_z)] - 0.5) * size[0]
+        points[1, k] = (at_y[node // n_z % n_y] - 0.5) * size[1]
+        points[2, k] = (at_z[node % n_z] - 0.5) * size[2]
+    winding = np.zeros(n_points)
+    at = Points(points[0], points[1], points[2])
+    if is_single:
+        ball = Ball(c_x, c_y, c_z, radius, clearance)
+        _wind_from_afar(at, ball, pieces, chosen, winding)
+    else:
         for k in range(n_points):
-            node = surface[k] if is_filled else k
-            points[0, k] = (at_x[node // (n_y * n_z)] - 0.5) * size[0]
-            points[1, k] = (at_y[node // n_z % n_y] - 0.5) * size[1]
-            points[2, k] = (at_z[node % n_z] - 0.5) * size[2]
-        centre = lowest[r] + 0.5 * size
-        winding = np.zeros(n_points)
-        if is_single:
-            ball = Ball(centre[0], centre[1], centre[2], radius, clearance)
-            near_centre = Points(points[0], points[1], points[2])
-            _wind_from_afar(near_centre, ball, pieces, chosen, winding)
-        else:
-            moved = Points(points[0] + centre[0], points[1] + centre[1], points[2] + centre[2])
-            _wind(moved, n_points, pieces, chosen, np.empty((5, n_points)), winding)
-        if not is_filled:
-            for k in range(n):
-                values[r, k] += winding[k]
-            continue
+            points[0, k] += c_x
+            points[1, k] += c_y
+            points[2, k] += c_z
+        _wind(at, n_points, pieces, chosen, np.empty((5, n_points)), winding)
+    if not is_filled:
         for k in range(n_points):
-            values[r, surface[k]] += winding[k]
-        filled = np.zeros(len(inside))
-        for k in range(n_points):
-            for i in range(len(inside)):
-                filled[i] += fill[k, i] * winding[k]
+            values[k] += winding[k]
+        return
+    for k in range(n_points):
+        values[surface[k]] += winding[k]
+    filled = np.zeros(len(inside))
+    for k in range(n_points):
         for i in range(len(inside)):
-            values[r, inside[i]] += filled[i]
+            filled[i] += fill[k, i] * winding[k]
+    for i in range(len(inside)):
+        values[inside[i]] += filled[i]
 
 
 @numba.njit(cache=True, error_model="numpy", parallel=True)
@@ -291,32 +301,34 @@ def add_near(pieces, blocks, side, samples, near, sums):  # type: ignore[no-unty
     sums
         Sums over the samples of each half-block to add to, dimensionless.
     """
-    begin, half, first, last = samples.begin, samples.half, samples.first, samples.last
-    size = side * half
     for r in numba.prange(len(blocks)):
         chosen = near.pieces[near.start[r] : near.start[r + 1]]
-        if len(chosen) == 0:
-            continue
-        n_max = size[0] * size[1] * size[2]
-        points = np.empty((3, n_max))
-        place = np.empty((n_max, 3), dtype=np.int64)
-        low = blocks[r] * half
-        n = 0
-        for i in range(low[0], min(low[0] + size[0], sums.shape[0] * half[0])):
-            for j in range(low[1], min(low[1] + size[1], sums.shape[1] * half[1])):
-                for k in range(low[2], min(low[2] + size[2], sums.shape[2] * half[2])):
-                    x = i + begin * half[0]
-                    is_in = (first[0] <= x) & (x < last[0]) & (first[1] <= j) & (j < last[1])
-                    if is_in and first[2] <= k < last[2]:
-                        points[0, n], points[1, n], points[2, n] = float(x), float(j), float(k)
-                        place[n, 0], place[n, 1], place[n, 2] = (
-                            i // half[0],
-                            j // half[1],
-                            k // half[2],
-                        )
-                        n += 1
-        winding = np.zeros(n_max)
-        at = Points(points[0], points[1], points[2])
-        _wind(at, n, pieces, chosen, np.empty((5, n_max)), winding)
-        for k in range(n):
-            sums[place[k, 0], place[k, 1], place[k, 2]] += winding[k]
+        if len(chosen):
+            _add_near_to_block(pieces, blocks[r], side, samples, chosen, sums)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _add_near_to_block(pieces, block, side, samples, chosen, sums):  # type: ignore[no-untyped-def]
+    begin, half, first, last = samples.begin, samples.half, samples.first, samples.last
+    low_x, low_y, low_z = block[0] * half[0], block[1] * half[1], block[2] * half[2]
+    size_x, size_y, size_z = side[0] * half[0], side[1] * half[1], side[2] * half[2]
+    n_max = size_x * size_y * size_z
+    points = np.empty((3, n_max))
+    place = np.empty((n_max, 3), dtype=np.int64)
+    n = 0
+    for i in range(low_x, min(low_x + size_x, sums.shape[0] * half[0])):
+        for j in range(low_y, min(low_y + size_y, sums.shape[1] * half[1])):
+            for k in range(low_z, min(low_z + size_z, sums.shape[2] * half[2])):
+                x = i + begin * half[0]
+                is_in = (first[0] <= x) & (x < last[0]) & (first[1] <= j) & (j < last[1])
+                if is_in and first[2] <= k < last[2]:
+                    points[0, n], points[1, n], points[2, n] = float(x), float(j), float(k)
+                    place[n, 0] = i // half[0]
+                    place[n, 1] = j // half[1]
+                    place[n, 2] = k // half[2]
+                    n += 1
+    winding = np.zeros(n_max)
+    at = Points(points[0], points[1], points[2])
+    _wind(at, n, pieces, chosen, np.empty((5, n_max)), winding)
+    for k in range(n):
+        sums[place[k, 0], place[k, 1], place[k, 2]] += winding[k]

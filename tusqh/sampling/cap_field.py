@@ -153,13 +153,18 @@ def _copy_lists(near, parent, start):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True, error_model="numpy", parallel=True)
 def _inherit(values, parent, which, at_x, at_y, at_z, n_nodes):  # type: ignore[no-untyped-def]
-    n_x, n_y, n_z = n_nodes
-    inherited = np.empty((len(parent), n_x * n_y * n_z))
+    inherited = np.empty((len(parent), values.shape[1]))
     for r in numba.prange(len(parent)):
-        old = values[parent[r]].reshape((n_x, n_y, n_z))
-        new = inherited[r].reshape((n_x, n_y, n_z))
-        _contract(old, at_x[which[r, 0]], at_y[which[r, 1]], at_z[which[r, 2]], new, False)
+        _inherit_block(values[parent[r]], which[r], at_x, at_y, at_z, n_nodes, inherited[r])
     return inherited
+
+
+# The bodies of loops are compiled on their own: inside `prange` that takes numba much longer.
+@numba.njit(cache=True, error_model="numpy")
+def _inherit_block(values, which, at_x, at_y, at_z, n_nodes, inherited):  # type: ignore[no-untyped-def]
+    shape = n_nodes[0], n_nodes[1], n_nodes[2]
+    new = inherited.reshape(shape)
+    _contract(values.reshape(shape), at_x[which[0]], at_y[which[1]], at_z[which[2]], new, False)
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -195,72 +200,96 @@ def _distance(p, corner):  # type: ignore[no-untyped-def]
     n = corner.shape[0]
     if n == 3:
         u, v, w = corner[1] - corner[0], corner[2] - corner[0], p - corner[0]
-        uu, uv, vv = (u * u).sum(), (u * v).sum(), (v * v).sum()
-        wu, wv = (w * u).sum(), (w * v).sum()
+        uu, uv, vv = _dot(u, u), _dot(u, v), _dot(v, v)
+        wu, wv = _dot(w, u), _dot(w, v)
         determinant = uu * vv - uv * uv
         if determinant > 0.0:
             s, t = (vv * wu - uv * wv) / determinant, (uu * wv - uv * wu) / determinant
             if s >= 0.0 and t >= 0.0 and s + t <= 1.0:
                 q = w - s * u - t * v
-                return np.sqrt((q * q).sum())
+                return np.sqrt(_dot(q, q))
     for k in range(n if n == 3 else 1):
         e, w = corner[(k + 1) % n] - corner[k], p - corner[k]
-        ee = (e * e).sum()
-        s = min(max((e * w).sum() / ee, 0.0), 1.0) if ee > 0.0 else 0.0
+        ee = _dot(e, e)
+        s = min(max(_dot(e, w) / ee, 0.0), 1.0) if ee > 0.0 else 0.0
         q = w - s * e
-        nearest = min(nearest, np.sqrt((q * q).sum()))
+        nearest = min(nearest, np.sqrt(_dot(q, q)))
     return nearest
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _dot(u, v):  # type: ignore[no-untyped-def]
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 
 
 @numba.njit(cache=True, error_model="numpy", parallel=True)
 def _split_lists(pieces, centre, side, lists):  # type: ignore[no-untyped-def]
     """Split the list of each block into the pieces that are far from it and those near it."""
-    corners, middle, reach = pieces.corners, pieces.middle, pieces.reach
     listed, start = lists.pieces, lists.start
     n = len(centre)
     is_far = np.empty(len(listed), dtype=np.bool_)
     n_far = np.zeros(n + 1, dtype=np.int64)
     for r in numba.prange(n):
-        count = 0
-        for c in range(start[r], start[r + 1]):
-            t = listed[c]
-            d = middle[t] - centre[r]
-            distance = np.sqrt((d * d).sum())
-            far = distance - reach[t] >= FAR * side
-            if not far and reach[t] > 0.25 * side and distance >= FAR * side:
-                far = _distance(centre[r], corners[t]) >= FAR * side
-            is_far[c] = far
-            count += far
-        n_far[r + 1] = count
+        first, last = start[r], start[r + 1]
+        n_far[r + 1] = _find_far(pieces, listed[first:last], centre[r], side, is_far[first:last])
     far_start = np.cumsum(n_far)
     near_start = start - far_start
     far_list = np.empty(far_start[-1], dtype=np.int64)
     near_list = np.empty(near_start[-1], dtype=np.int64)
     for r in numba.prange(n):
-        f, m = far_start[r], near_start[r]
-        for c in range(start[r], start[r + 1]):
-            if is_far[c]:
-                far_list[f] = listed[c]
-                f += 1
-            else:
-                near_list[m] = listed[c]
-                m += 1
+        first, last = start[r], start[r + 1]
+        _split_list(
+            listed[first:last],
+            is_far[first:last],
+            far_list[far_start[r] : far_start[r + 1]],
+            near_list[near_start[r] : near_start[r + 1]],
+        )
     return Lists(far_list, far_start), Lists(near_list, near_start)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _find_far(pieces, listed, centre, side, is_far):  # type: ignore[no-untyped-def]
+    """Mark the pieces that are far from the centre of a block, and return their number."""
+    corners, middle, reach = pieces.corners, pieces.middle, pieces.reach
+    count = 0
+    for c in range(len(listed)):
+        t = listed[c]
+        d = middle[t] - centre
+        distance = np.sqrt(_dot(d, d))
+        far = distance - reach[t] >= FAR * side
+        if not far and reach[t] > 0.25 * side and distance >= FAR * side:
+            far = _distance(centre, corners[t]) >= FAR * side
+        is_far[c] = far
+        count += far
+    return count
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _split_list(listed, is_far, far_list, near_list):  # type: ignore[no-untyped-def]
+    f, m = 0, 0
+    for c in range(len(listed)):
+        if is_far[c]:
+            far_list[f] = listed[c]
+            f += 1
+        else:
+            near_list[m] = listed[c]
+            m += 1
 
 
 @numba.njit(cache=True, error_model="numpy", parallel=True)
 def _add_polynomials(  # type: ignore[no-untyped-def]
     blocks, side, at_x, at_y, at_z, is_chosen, n_nodes, values, sums
 ):
-    shape = sums.shape
     for r in numba.prange(len(blocks)):
-        if not is_chosen[r]:
-            continue
-        i, j, k = blocks[r]
-        i_to, j_to, k_to = (
-            min(i + side[0], shape[0]),
-            min(j + side[1], shape[1]),
-            min(k + side[2], shape[2]),
-        )
-        old = values[r].reshape((n_nodes[0], n_nodes[1], n_nodes[2]))
-        _contract(old, at_x[i:i_to], at_y[j:j_to], at_z[k:k_to], sums[i:i_to, j:j_to, k:k_to], True)
+        if is_chosen[r]:
+            _add_polynomial(blocks[r], side, at_x, at_y, at_z, n_nodes, values[r], sums)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _add_polynomial(block, side, at_x, at_y, at_z, n_nodes, values, sums):  # type: ignore[no-untyped-def]
+    i, j, k = block[0], block[1], block[2]
+    i_to = min(i + side[0], sums.shape[0])
+    j_to = min(j + side[1], sums.shape[1])
+    k_to = min(k + side[2], sums.shape[2])
+    old = values.reshape((n_nodes[0], n_nodes[1], n_nodes[2]))
+    _contract(old, at_x[i:i_to], at_y[j:j_to], at_z[k:k_to], sums[i:i_to, j:j_to, k:k_to], True)

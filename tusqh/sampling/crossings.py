@@ -172,44 +172,53 @@ def _height_of(a, x, y, z_low, z_high):  # type: ignore[no-untyped-def]
 def _scan(  # type: ignore[no-untyped-def]
     corners, multiplicity, low, high, half, first, last, begin, end, sums
 ):
-    n_y, n_z = sums.shape[1], sums.shape[2]
     n_chunks = min(_CHUNKS, end - begin)
     for chunk in numba.prange(n_chunks):
         from_ = begin + chunk * (end - begin) // n_chunks
         to = begin + (chunk + 1) * (end - begin) // n_chunks
-        whole = np.zeros((to - from_, n_y, n_z + 1), dtype=np.int32)
-        part = np.zeros((to - from_, n_y, n_z + 1), dtype=np.int32)
-        i_from, i_to = max(from_ * half[0], first[0]), min(to * half[0], last[0])
-        for t in range(len(corners)):
-            # Add one sample on each side, so that the predicate decides and not the box's rounding.
-            i_first = max(i_from, int(np.floor(low[t, 0])) - 1)
-            i_last = min(i_to - 1, int(np.ceil(high[t, 0])) + 1)
-            if i_first > i_last:
-                continue
-            j_first = max(first[1], int(np.floor(low[t, 1])) - 1)
-            j_last = min(last[1] - 1, int(np.ceil(high[t, 1])) + 1)
-            for j in range(j_first, j_last + 1):
-                for i in range(i_first, i_last + 1):
-                    turns, _ = _pass(corners[t], float(i), float(j))
-                    if turns == 0:
-                        continue
-                    z = _height_of(corners[t], float(i), float(j), low[t, 2], high[t, 2])
-                    above = int(min(max(np.ceil(z), float(first[2])), float(last[2])))
-                    weight = turns * multiplicity[t]
-                    column, row = i // half[0] - from_, j // half[1]
-                    whole[column, row, above // half[2]] += weight
-                    part[column, row, above // half[2]] += weight * (above % half[2])
-                    if first[2] > 0:  # The run begins at the first sample that counts.
-                        whole[column, row, first[2] // half[2]] -= weight
-                        part[column, row, first[2] // half[2]] -= weight * (first[2] % half[2])
-        for column in range(to - from_):
-            for row in range(n_y):
-                total = whole[column, row, n_z]
-                for block in range(n_z - 1, -1, -1):
-                    sums[from_ - begin + column, row, block] += (
-                        half[2] * total + part[column, row, block]
-                    )
-                    total += whole[column, row, block]
+        _scan_slab(
+            corners, multiplicity, low, high, half, first, last, from_, to, sums[from_ - begin :]
+        )
+
+
+# Compiled on its own, because numba takes many times as long for the same loops inside `prange`.
+@numba.njit(cache=True, error_model="numpy")
+def _scan_slab(  # type: ignore[no-untyped-def]
+    corners, multiplicity, low, high, half, first, last, from_, to, sums
+):
+    """Add the sums of the half-blocks `from_` to `to` along x, which begin `sums`."""
+    n_y, n_z = sums.shape[1], sums.shape[2]
+    whole = np.zeros((to - from_, n_y, n_z + 1), dtype=np.int32)
+    part = np.zeros((to - from_, n_y, n_z + 1), dtype=np.int32)
+    i_from, i_to = max(from_ * half[0], first[0]), min(to * half[0], last[0])
+    for t in range(len(corners)):
+        # Add one sample on each side, so that the predicate decides and not the box's rounding.
+        i_first = max(i_from, int(np.floor(low[t, 0])) - 1)
+        i_last = min(i_to - 1, int(np.ceil(high[t, 0])) + 1)
+        if i_first > i_last:
+            continue
+        j_first = max(first[1], int(np.floor(low[t, 1])) - 1)
+        j_last = min(last[1] - 1, int(np.ceil(high[t, 1])) + 1)
+        for j in range(j_first, j_last + 1):
+            for i in range(i_first, i_last + 1):
+                turns, _ = _pass(corners[t], float(i), float(j))
+                if turns == 0:
+                    continue
+                z = _height_of(corners[t], float(i), float(j), low[t, 2], high[t, 2])
+                above = int(min(max(np.ceil(z), float(first[2])), float(last[2])))
+                weight = turns * multiplicity[t]
+                column, row = i // half[0] - from_, j // half[1]
+                whole[column, row, above // half[2]] += weight
+                part[column, row, above // half[2]] += weight * (above % half[2])
+                if first[2] > 0:  # The run begins at the first sample that counts.
+                    whole[column, row, first[2] // half[2]] -= weight
+                    part[column, row, first[2] // half[2]] -= weight * (first[2] % half[2])
+    for column in range(to - from_):
+        for row in range(n_y):
+            total = whole[column, row, n_z]
+            for block in range(n_z - 1, -1, -1):
+                sums[column, row, block] += half[2] * total + part[column, row, block]
+                total += whole[column, row, block]
 
 
 @numba.njit(cache=True, error_model="numpy")

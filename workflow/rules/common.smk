@@ -88,14 +88,9 @@ def files_of_all_models(*names):
 def shown(*names):
     """Return files of a model by name, as outputs that Snakemake's report shows."""
     return {
-        name: report(path, f"../report/{name}.rst", category="{model}")
+        name: report(path, f"../report/{name.removeprefix('figure_')}.rst", category="{model}")
         for name, path in files(*names).items()
     }
-
-
-def figure_of_model(name):
-    """Return a figure of a model, as an output that Snakemake's report shows."""
-    return report(f"results/{{model}}/figures/{name}.png", f"../report/{name}.rst", category="{model}")
 
 
 def sweep_meshes(dimension):

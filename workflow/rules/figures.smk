@@ -1,85 +1,39 @@
-rule figure_thresholds:
+# Figures of one model are drawn by few steps, since every step imports the libraries for drawing.
+rule figures_of_topology:
     input:
-        **files("geometry", "fractions", "selection"),
+        **files("diagram", "diagonal", "curves", "topologies", "selection"),
     output:
-        figure=figure_of_model("thresholds"),
+        **shown("figure_diagram", "figure_curves"),
+    script:
+        "../scripts/figures_of_topology.py"
+
+
+rule figures_of_outline:
+    input:
+        **files("geometry", "fractions", "selection", "mesh", "amount"),
+        snapshots=snapshots(),
+    output:
+        **shown("figure_field", "figure_thresholds", "figure_antialias", "figure_contaminant"),
+    wildcard_constraints:
+        model=any_of(2),
     params:
         panels=settings_of("panels"),
         unit=settings_of("unit"),
     script:
-        "../scripts/figure_thresholds.py"
+        "../scripts/figures_of_outline.py"
 
 
-rule figure_diagram:
+rule figures_of_solid:
     input:
-        **files("diagram", "diagonal", "selection"),
-    output:
-        figure=figure_of_model("diagram"),
-    script:
-        "../scripts/figure_diagram.py"
-
-
-rule figure_curves:
-    input:
-        **files("curves", "topologies", "selection"),
-    output:
-        figure=figure_of_model("curves"),
-    script:
-        "../scripts/figure_curves.py"
-
-
-rule figure_field:
-    input:
-        **files("geometry", "fractions"),
-    output:
-        figure=figure_of_model("field"),
-    params:
-        unit=settings_of("unit"),
-    script:
-        "../scripts/figure_field.py"
-
-
-rule figure_antialias:
-    input:
-        **files("fractions", "mesh", "selection"),
-    output:
-        figure=figure_of_model("antialias"),
-    params:
-        unit=settings_of("unit"),
-    script:
-        "../scripts/figure_antialias.py"
-
-
-rule figure_contaminant:
-    input:
-        snapshots=snapshots(),
-        **files("amount"),
-    output:
-        figure=figure_of_model("contaminant"),
-    params:
-        unit=settings_of("unit"),
-    script:
-        "../scripts/figure_contaminant.py"
-
-
-rule figure_panels:
-    input:
-        **files("geometry", "verification"),
+        **files("geometry", "verification", "amount"),
         meshes=sweep_meshes(3),
-    output:
-        figure=figure_of_model("panels"),
-    script:
-        "../scripts/figure_panels.py"
-
-
-rule figure_temperature:
-    input:
         snapshots=snapshots(),
-        **files("amount"),
     output:
-        figure=figure_of_model("temperature"),
+        **shown("figure_panels", "figure_temperature"),
+    wildcard_constraints:
+        model=any_of(3),
     script:
-        "../scripts/figure_temperature.py"
+        "../scripts/figures_of_solid.py"
 
 
 rule figure_method:

@@ -51,7 +51,7 @@ rule figure_stability:
         stability="results/{model}/stability.csv",
         **files("selection"),
     output:
-        figure=figure_of_model("stability"),
+        figure=report("results/{model}/figures/stability.png", "../report/stability.rst", category="{model}"),
     script:
         "../scripts/figure_stability.py"
 

@@ -20,6 +20,8 @@ with recorded(snakemake) as log:
     pooled = {"chosen": thresholds, "one half": dict.fromkeys(models, 0.5)}
     pooled = {choice: pool_spreads(tables, at) for choice, at in pooled.items()}
     pooled = pd.concat(pooled, names=["choice"]).reset_index(level="choice")
+    n_placements = next(iter(tables.values()))["placement"].nunique()
+    pooled.insert(0, "placements", n_placements)
     write_csv(Path(snakemake.output.pooled), pooled)
     for kind in ("stability", "recommended"):
         files = snakemake.input["stabilities" if kind == "stability" else kind]
