@@ -12,7 +12,8 @@ import numpy as np
 import pandas as pd
 
 from studies.examples import GEOMETRY, mesh_example, mesh_rows, shape_rows
-from studies.gap_patch import RULES, measure_widths
+from studies.gap_kernels import RULES
+from studies.gap_patch import measure_widths
 from studies.methods.exact_fractions import Polygon, exact_fractions
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
@@ -113,7 +114,7 @@ def axis_gap(width: float, offset: float, grid: BackgroundGrid) -> list[Polygon]
 def sweep_axis_gap(n_offsets: int) -> pd.DataFrame:
     """Return the widths at which the gap closes and opens, for offsets over one period.
 
-    There is one row per offset and rule (`studies.gap_patch.RULES`); `components_<width>` counts
+    There is one row per offset and rule (`studies.gap_kernels.RULES`); `components_<width>` counts
     the components of the measured mesh at the widths of the paper's three gaps.
 
     Parameters

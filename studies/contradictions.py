@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from studies.directions import normals_of
-from studies.gap import critical_width
+from studies.gap_kernels import critical_width
 from studies.theorem import CLAIMED, TIE, crossing_widths
 
 

@@ -20,8 +20,9 @@ import numpy as np
 import pandas as pd
 
 from studies.directions import normals_of
-from studies.gap import fraction_in_gap, sample_distances
-from studies.gap_patch import RULES, measure_widths
+from studies.gap import sample_distances
+from studies.gap_kernels import RULES, fraction_in_gap
+from studies.gap_patch import measure_widths
 from studies.theorem import crossing_widths, method_name
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh

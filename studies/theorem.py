@@ -15,8 +15,9 @@ import numpy as np
 import pandas as pd
 
 from studies.directions import normals_of
-from studies.gap import critical_width, sample_distances
-from studies.gap_patch import RULES, measure_widths
+from studies.gap import sample_distances
+from studies.gap_kernels import RULES, critical_width
+from studies.gap_patch import measure_widths
 from tusqh.grid import FloatArray
 
 #: The theorem's windows for cells alone and for cells with sub-cells, and the width below which,

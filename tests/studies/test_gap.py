@@ -10,9 +10,10 @@ from scipy import ndimage
 from shapely.geometry import Polygon, box
 
 from studies.directions import normals_of
-from studies.gap import critical_width, fraction_in_gap, sample_distances
+from studies.gap import sample_distances
+from studies.gap_kernels import RULES, critical_width, fraction_in_gap
 from studies.gap_meshes import compare_with_meshes, gap_fractions
-from studies.gap_patch import RULES, measure_widths
+from studies.gap_patch import measure_widths
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
 from tusqh.geometry.outline import Outline

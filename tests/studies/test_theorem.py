@@ -7,8 +7,7 @@ import pytest
 
 from studies.contradictions import list_contradictions
 from studies.directions import normals_of, plane_normals, rotations
-from studies.gap import critical_width
-from studies.gap_patch import RULES
+from studies.gap_kernels import RULES, critical_width
 from studies.theorem import (
     crossing_widths,
     measure,
