@@ -175,7 +175,7 @@ def test_the_volume_of_an_open_surface_hardly_depends_on_the_lattice(monkeypatch
             monkeypatch.setattr("tusqh.sampling.reference._SAMPLES", n_samples)
             found = find_reference(ball, fractions, sampling=settings, window=window)
             volumes.append(found.volume)
-        assert volumes == pytest.approx([volumes[0]] * 3, rel=0.03)
+        assert volumes == pytest.approx([volumes[0]] * 3, rel=0.05)
 
 
 def test_a_window_stays_the_end_of_the_material(square):

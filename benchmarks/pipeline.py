@@ -1,0 +1,180 @@
+"""The whole of `tusqh.mesh`, stage by stage: ``python -m benchmarks.pipeline``.
+
+Each case runs in a fresh process, after a small mesh that compiles or loads everything.  Stages are
+those that `tusqh.mesh` reports, and the total is their sum.  The report, the file and the
+persistence diagram follow, which `tusqh.mesh` leaves out until they are asked for.  Other programs
+do comparable steps on the same data in the same process: automesh makes hexes of the kept cells
+without resolving pinches, gudhi pairs the cells without sub-cells (a smaller complex), pymeshlab
+examines the boundary, and VTK writes the file.
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import os
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import psutil
+
+import tusqh
+from benchmarks.meshing import BUNNY, THRESHOLD, mesh_automesh
+from benchmarks.topology import pair_cubical
+from tusqh.pipeline.result import Result
+from tusqh.progress import Report
+from tusqh.quality.surface import surface_measures
+from tusqh.tables import write_csv
+
+RESULT = Path("results/benchmarks/pipeline.csv")
+COLUMNS = ["model", "cells", "goal", "stage", "seconds", "peak_gb", "kept_cells", "elements"]
+GOALS: dict[str, dict[str, Any]] = {
+    "threshold 1/2": {"threshold": THRESHOLD},
+    "betti (1, 0, 0)": {"betti": (1, 0, 0)},
+}
+
+
+class Stages:
+    """Seconds and peak memory of stages, each of which lasts until the next one begins.
+
+    The memory is the resident memory of the process, less what it had before the first stage.
+    """
+
+    def __init__(self) -> None:
+        self.rows: list[tuple[str, float, float]] = []
+        self._memory = psutil.Process(os.getpid()).memory_info
+        self._base = self._memory().rss
+        self._done = threading.Event()
+        self._watcher = threading.Thread(target=self._watch, daemon=True)
+        self._begin("start")
+        self._watcher.start()
+
+    def __call__(self, what: str) -> Report:
+        """Begin a stage, as the argument `progress` of `tusqh.mesh`."""
+        self._end()
+        self._begin(what)
+        return lambda done, total: None
+
+    def stop(self) -> None:
+        """End the last stage."""
+        self._end()
+        self._done.set()
+        self._watcher.join()
+
+    def _begin(self, what: str) -> None:
+        self._what, self._peak = what, self._memory().rss
+        self._started = time.perf_counter()
+
+    def _end(self) -> None:
+        seconds = time.perf_counter() - self._started
+        peak = max(self._peak, self._memory().rss)
+        self.rows.append((self._what, seconds, max(peak - self._base, 0) / 1e9))
+
+    def _watch(self) -> None:
+        while not self._done.wait(0.002):
+            self._peak = max(self._peak, self._memory().rss)
+
+
+def run_case(cells: int, goal: str, peers: bool) -> pd.DataFrame:
+    """Return the rows of one case; the total comes last and is that of `tusqh.mesh` alone."""
+    tusqh.mesh(BUNNY, cells=12, **GOALS[goal])
+    stages = Stages()
+    result = tusqh.mesh(BUNNY, cells=cells, progress=stages, **GOALS[goal])
+    stages.stop()
+    total = ("total", sum(row[1] for row in stages.rows), max(row[2] for row in stages.rows))
+    after = Stages()
+    show(result, after)
+    if peers:
+        run_peers(result, after)
+    after.stop()
+    rows = [row for row in (*stages.rows, *after.rows, total) if row[0] != "start"]
+    table = pd.DataFrame(rows, columns=["stage", "seconds", "peak_gb"])
+    facts = {
+        "model": result.name,
+        "cells": cells,
+        "goal": goal,
+        "kept_cells": result.built.facts["cells_kept"],
+        "elements": result.mesh.n_cells,
+    }
+    return table.assign(**facts)[COLUMNS].round({"seconds": 4, "peak_gb": 4})
+
+
+def show(result: Result, stages: Stages) -> None:
+    """Print the report, write the mesh and pair the classes."""
+    stages("report")
+    str(result.report)
+    stages("file, by meshio")
+    with tempfile.TemporaryDirectory() as folder:
+        result.write(Path(folder) / "mesh.vtu")
+    stages("persistence diagram")
+    _ = result.diagram
+
+
+def run_peers(result: Result, stages: Stages) -> None:
+    """Do comparable steps with other programs."""
+    stages("gudhi, cells only: persistence diagram")
+    pair_cubical(result.fractions.values)
+    stages("automesh: mesh")
+    mesh_automesh(result.fractions)
+    stages("pymeshlab: checks of the boundary")
+    surface_measures(result.mesh)
+    stages("VTK: file")
+    with tempfile.TemporaryDirectory() as folder:
+        result.mesh.to_pyvista().save(Path(folder) / "mesh.vtu")
+
+
+def in_fresh_process(function: Callable[..., pd.DataFrame], *arguments: Any) -> pd.DataFrame:
+    """Return the result of a call in a new process."""
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        return pool.apply(function, arguments)
+
+
+def to_markdown(table: pd.DataFrame) -> str:
+    """Return the table with one row for each stage and one column for each case, in seconds."""
+    cases = table.assign(case=table["goal"] + ", " + table["cells"].astype(str) + " cells")
+    wide = cases.pivot_table("seconds", "stage", "case", aggfunc="sum", sort=False)
+    memory = cases[cases["stage"] == "total"].set_index("case")["peak_gb"]
+    last = wide.loc[["total"]]
+    wide = pd.concat([wide.drop("total"), last])
+    words = wide.map(lambda seconds: "-" if pd.isna(seconds) else f"{seconds:.3g} s")
+    words.loc["memory"] = [f"{memory[case]:.2g} GB" for case in words.columns]
+    return words.rename_axis("stage").reset_index().to_markdown(index=False)
+
+
+def main() -> None:
+    """Measure, print and write the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument(
+        "--cells",
+        type=int,
+        nargs="+",
+        default=[64, 128],
+        metavar="N",
+        help="cells along the longest side of the bunny (64 128; 256 and 512 take minutes)",
+    )
+    parser.add_argument("--goals", nargs="+", choices=list(GOALS), default=list(GOALS))
+    parser.add_argument("--no-peers", action="store_true", help="leave out other programs")
+    given = parser.parse_args()
+    tables = []
+    for cells in given.cells:
+        for goal in given.goals:
+            peers = not given.no_peers and goal == given.goals[0]
+            tables.append(in_fresh_process(run_case, cells, goal, peers))
+            print(tables[-1].to_string(index=False), flush=True)
+    table = pd.concat(tables, ignore_index=True)
+    totals = table[(table["stage"] == "total") & (table["goal"] == given.goals[0])]
+    if len(totals) > 1:
+        power = np.polyfit(*np.log(totals[["kept_cells", "seconds"]].to_numpy().T), 1)[0]
+        print(f"total: seconds grow with kept cells to the power {power:.2f}")
+    write_csv(RESULT, table)
+    print(to_markdown(table))
+
+
+if __name__ == "__main__":
+    main()
