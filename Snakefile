@@ -21,6 +21,7 @@ rule all:
         "results/tables/claims.csv",
         [figure for model in MODELS for figure in figures_of(model)],
         *files_of_all_models(*EXPORTS, "simulation", "defects", "explorer").values(),
+        *files_of_assemblies(*EXPORTS, "certificate", "figure_materials").values(),
         "results/report/index.html",
         paper_targets(),
         "results/ro-crate-metadata.json",
@@ -30,12 +31,14 @@ rule all:
 rule models:
     input:
         *files_of_all_models("mesh", "certificate", "verdict", "explorer", *EXPORTS).values(),
+        *files_of_assemblies("mesh", "certificate", "verdict", *EXPORTS).values(),
 
 
 include: "workflow/rules/ingest.smk"
 include: "workflow/rules/sample.smk"
 include: "workflow/rules/topology.smk"
 include: "workflow/rules/mesh.smk"
+include: "workflow/rules/materials.smk"
 include: "workflow/rules/quality.smk"
 include: "workflow/rules/simulate.smk"
 include: "workflow/rules/tables.smk"

@@ -181,7 +181,9 @@ def test_the_register_knows_every_models_file(repository):
         for row in csv.DictReader((repository / "data_sources/register.csv").open())
     }
     for name, model in config["models"].items():
-        assert rows[name]["file"] == model["geometry"]
+        listed = model.get("materials", [])
+        sources = [] if isinstance(listed, str) else [m.get("source") for m in listed]
+        assert rows[name]["file"] in [model.get("geometry"), *sources]
     for row in rows.values():
         assert row["licence"]
         if row["available"] == "yes":

@@ -66,6 +66,8 @@ def main() -> None:
     write("hollow_sphere", [outer, cavity])
     write("nested_spheres", [outer, cavity, core])
     write("bearings", bearing())
+    balls = [trimesh.creation.icosphere(subdivisions=3, radius=r) for r in (3.0, 6.0, 10.0)]
+    write("shells", balls)
 
 
 if __name__ == "__main__":

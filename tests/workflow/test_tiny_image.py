@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 
+import meshio
 import numpy as np
 import pandas as pd
 import pytest
@@ -24,6 +25,10 @@ CONFIG = """models:
     domain: outside
     target: {betti_0: 1}
     components: {min_cells: 3}
+  grains:
+    geometry: grains.npy
+    labels: {1: bone, 2: marrow}
+    grid: {cells: 6}
 snapshots: [0, 2, 4, 8, 16, 32]
 """
 
@@ -40,10 +45,13 @@ def foam(tmp_path_factory):
     )
     grey = 30 + 180 * np.clip(distance - 5, 0, 1) + rng.normal(0, 4, distance.shape)
     tifffile.imwrite(folder / "foam.tif", np.clip(grey, 0, 255).astype(np.uint8).transpose())
+    np.save(folder / "grains.npy", rng.integers(0, 3, (6, 6, 6)).astype(np.uint8))
     (folder / "config").mkdir()
     (folder / "config/config.yaml").write_text(CONFIG)
     files = ("verdict.csv", "figures/panels.png", "defects.csv")
-    succeed(folder, *(f"results/foam/{file}" for file in files))
+    of_grains = ("certificate.json", "export/mesh.exo")
+    targets = [f"results/foam/{file}" for file in files]
+    succeed(folder, *targets, *(f"results/grains/{file}" for file in of_grains))
     return folder
 
 
@@ -84,3 +92,22 @@ def test_the_command_line_gives_the_same_mesh(foam):
     )
     assert done.returncode == 0, done.stderr
     assert hash_file(foam / "foam.vtu") == hash_file(foam / "results/foam/mesh.vtu")
+
+
+def test_several_materials_are_meshed_in_one_step(foam):
+    result = tusqh.mesh(
+        foam / "grains.npy", cells=6, materials={1: "bone", 2: "marrow"}, name="grains"
+    )
+    assert result.is_as_predicted
+    result.save(foam / "grains")
+    files = sorted(path.name for path in (foam / "grains").iterdir())
+    assert {"certificate.json", "materials.csv", "mesh.vtu", "pairs.csv"} <= set(files)
+    for file in files:
+        assert hash_file(foam / "grains" / file) == hash_file(foam / "results/grains" / file), file
+    result.write(foam / "grains.exo")
+    written = [foam / "grains.exo", foam / "results/grains/export/mesh.exo"]
+    blocks = [[len(b.data) for b in meshio.read(path).cells] for path in written]
+    assert blocks[0] == blocks[1]
+    rows = pd.read_csv(foam / "results/grains/verification.csv")
+    assert rows["material"].tolist() == ["bone", "marrow", "all"]
+    assert rows["holds"].all()

@@ -59,7 +59,10 @@ except TusqhError as error:
 if describe_missing():
     logger.warning(describe_missing())
 
-MODELS = SETTINGS.models
+# Models of one material, and of several (rules/materials.smk).
+MODELS = {name: m for name, m in SETTINGS.models.items() if not m.has_several_materials}
+ASSEMBLIES = {name: m for name, m in SETTINGS.models.items() if m.has_several_materials}
+NAMES_OF_ASSEMBLIES = "|".join(ASSEMBLIES) or "(?!)"
 GEOMETRY = {name: model.geometry for name, model in MODELS.items()}
 DIMENSION = {name: dimension_of(geometry) for name, geometry in GEOMETRY.items()}
 SOLIDS = [name for name, dimension in DIMENSION.items() if dimension == 3]
@@ -71,7 +74,7 @@ if not set(COMPARED) <= set(SOLIDS):
 SNAPSHOTS = sorted(SETTINGS.snapshots)
 
 wildcard_constraints:
-    model="|".join(MODELS),
+    model="|".join(MODELS) or "(?!)",
     peer="|".join(PEERS),
 
 
@@ -83,6 +86,11 @@ def files(*names):
 def files_of_all_models(*names):
     """Return files of all models by name, in the order of the models."""
     return {name: expand(path, model=MODELS) for name, path in files(*names).items()}
+
+
+def files_of_assemblies(*names):
+    """Return files of all models of several materials by name."""
+    return {name: expand(path, model=ASSEMBLIES) for name, path in files(*names).items()}
 
 
 def shown(*names):
@@ -107,7 +115,7 @@ def settings_of(name):
     """Return a function that gives a rule a section or a key of its model, as plain values."""
 
     def settings(wildcards):
-        model = MODELS[wildcards.model]
+        model = SETTINGS.models[wildcards.model]
         owner = model if hasattr(model, name) else model.settings
         return to_plain(getattr(owner, name))
 
@@ -143,6 +151,22 @@ def reader_of(wildcards):
     return code_fingerprint(f"tusqh/readers/{reader}.py", base=BASE)
 
 
+def block_of_model(wildcards):
+    """Return the settings of a model, as plain values."""
+    return to_plain(SETTINGS.models[wildcards.model])
+
+
+def sources_of_materials(wildcards):
+    """Return the geometry files of a model of several materials, but those of packages."""
+    return [f for f in ASSEMBLIES[wildcards.model].files if not f.startswith(PACKAGE)]
+
+
+def readers_of_materials(wildcards):
+    """Return the fingerprints of the modules that read the formats of several materials."""
+    readers = {find_format(f).module for f in ASSEMBLIES[wildcards.model].files}
+    return [code_fingerprint(f"tusqh/readers/{reader}.py", base=BASE) for reader in sorted(readers)]
+
+
 def source_of(path):
     """Return a file of the workflow relative to the working folder, so that records agree."""
     return os.path.relpath(BASE / "workflow" / path)
@@ -171,11 +195,11 @@ def hint_at_models(targets):
     """Warn of targets like results/torux/mesh.vtu, whose model is not in the configuration."""
     for target in targets:
         folder, *rest = Path(target).parts[1:] or [""]
-        if target.startswith("results/") and rest and folder not in {*MODELS, *FOLDERS_OF_RESULTS}:
-            near = difflib.get_close_matches(folder, MODELS, n=1)
+        if target.startswith("results/") and rest and folder not in {*SETTINGS.models, *FOLDERS_OF_RESULTS}:
+            near = difflib.get_close_matches(folder, SETTINGS.models, n=1)
             hint = f"did you mean '{near[0]}'? The" if near else "the"
             logger.warning(
-                f"{target}: there is no model '{folder}'; {hint} models are {', '.join(MODELS)}"
+                f"{target}: there is no model '{folder}'; {hint} models are {', '.join(SETTINGS.models)}"
             )
 
 

@@ -40,4 +40,5 @@ def workflow_fingerprint(wildcards):
 def sources(wildcards):
     """Return the rows of the register of data for the geometries of all models."""
     register = read_register(Path(), BASE)
-    return {path: register[path] for path in sorted(set(GEOMETRY.values())) if path in register}
+    paths = {path for model in SETTINGS.models.values() for path in model.files}
+    return {path: register[path] for path in sorted(paths) if path in register}

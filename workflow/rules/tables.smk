@@ -1,6 +1,7 @@
 rule tables:
     input:
         **files_of_all_models("facts", "verdict", "amount", "defects", "verification"),
+        materials=files_of_assemblies("verification")["verification"],
     output:
         summary=report("results/tables/summary.csv", "../report/summary.rst", category="Tables"),
         markdown="results/tables/summary.md",

@@ -1,12 +1,13 @@
 from pathlib import Path
 
 from provenance.record import recorded
-from tusqh.meshes.export import read_vtu
+from tusqh.meshes.export import read_regions, read_vtu
 from tusqh.meshes.formats import write_mesh
 
 with recorded(snakemake) as log:
-    mesh = read_vtu(Path(snakemake.input.mesh), name=snakemake.wildcards.model)
+    source = Path(snakemake.input.mesh)
+    mesh, regions = read_vtu(source, name=snakemake.wildcards.model), read_regions(source)
     exports = [path for name, path in snakemake.output.items() if name.startswith("export_")]
     for path in exports:
-        write_mesh(Path(path), mesh)
+        write_mesh(Path(path), mesh, regions)
         log.info("%s: %d bytes", path, Path(path).stat().st_size)

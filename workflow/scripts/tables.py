@@ -9,12 +9,13 @@ from tusqh.tables import write_csv, write_markdown
 
 with recorded(snakemake) as log:
     kinds = ("facts", "verdict", "amount", "defects")
-    files = zip(*(snakemake.input[kind] for kind in kinds), strict=True)
+    of_models = zip(*(snakemake.input[kind] for kind in kinds), strict=True)
     summary = pd.DataFrame(
         summarise_model(json.loads(Path(facts).read_text()), *map(pd.read_csv, tables))
-        for facts, *tables in files
+        for facts, *tables in of_models
     )
-    verification = pd.concat(map(pd.read_csv, snakemake.input.verification), ignore_index=True)
+    files = [*snakemake.input.verification, *snakemake.input.materials]
+    verification = pd.concat(map(pd.read_csv, files), ignore_index=True)
     log.info(
         "%d of %d rows of the verification hold", verification["holds"].sum(), len(verification)
     )

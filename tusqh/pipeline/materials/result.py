@@ -128,12 +128,14 @@ class MaterialsResult:
     def verification(self) -> pd.DataFrame:
         """One row of the verification table for every material, and one for all of them.
 
-        The columns are those of `tusqh.quality.verification.VERIFICATION_COLUMNS`.
+        The columns are those of `tusqh.quality.verification.VERIFICATION_COLUMNS`; contacts are
+        those of the whole mesh.
         """
         grid, kept = self.fractions.grid, self._count_cells()
         table = self.materials.drop(columns=["volume", "volume_of_geometry"])
         table["model"], table["dimension"], table["grid"] = self.mesh.name, grid.dim, grid.label
         table["cells_kept"] = [kept[name] for name in table["material"]]
+        table["contacts"], table["overruled"] = self.built.n_contacts, self.built.n_overruled
         table["conforming"] = self.mesh.measurement.is_conforming
         return table.reindex(columns=VERIFICATION_COLUMNS)
 

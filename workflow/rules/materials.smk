@@ -1,0 +1,33 @@
+# Models of several materials: one step meshes, measures and certifies them.
+rule materials:
+    input:
+        sources=sources_of_materials,
+    output:
+        **files("mesh", "fractions", "verdict", "verification"),
+        **shown("materials", "pairs", "certificate"),
+    wildcard_constraints:
+        model=NAMES_OF_ASSEMBLIES,
+    params:
+        model=block_of_model,
+        readers=readers_of_materials,
+    priority: MODELS_FIRST
+    script:
+        "../scripts/materials.py"
+
+
+use rule export as export_materials with:
+    wildcard_constraints:
+        model=NAMES_OF_ASSEMBLIES,
+
+
+rule figure_materials:
+    input:
+        **files("mesh"),
+    output:
+        figure=figure_of_model("materials"),
+    wildcard_constraints:
+        model=NAMES_OF_ASSEMBLIES,
+    params:
+        unit=settings_of("unit"),
+    script:
+        "../scripts/figure_materials.py"
