@@ -11,12 +11,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from studies.methods.digital_topology import closed_betti
 from studies.methods.exact_fractions import Polygon, exact_fractions
-from studies.methods.raw_mesh import closed_betti
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.clusters import CONNECT
-from tusqh.antialias.pinches import find_pinches
 from tusqh.antialias.resolve import build_mesh
+from tusqh.contacts.one_material import MATERIAL
 from tusqh.grid import QUAD_CORNERS, BackgroundGrid, BoolArray, FloatArray, doubled
 from tusqh.meshes.volume_mesh import KINDS, VolumeMesh
 from tusqh.sampling.fractions import VolumeFractions
@@ -132,7 +131,7 @@ def mesh_example(
     threshold
         Volume-fraction threshold, dimensionless.
     policy
-        The policy for pinches and bridges.
+        The policy for bridges and features.
 
     Returns
     -------
@@ -159,10 +158,10 @@ def mesh_example(
         "example": name,
         "threshold": threshold,
         "cells": int(kept.sum()),
-        "pinches": int(find_pinches(kept).sum()),
+        "contacts": cells.n_contacts,
         "components_before": raw.betti_0,
         "holes_before": raw.betti_1,
-        "pinches_connected": int((cells.decisions.at_vertex == CONNECT).sum()),
+        "joined_contacts": int((cells.decision.contacts.ball == MATERIAL).sum()),
         "bridges": resolved.cells.n_bridges,
         "removed_components": cells.n_removed,
         **mesh_facts(resolved.mesh, resolved.cells.predicted),

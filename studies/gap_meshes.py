@@ -1,11 +1,10 @@
 """Mesh gaps, and compare the meshes with the filtration by gap width.
 
-The mesh differs from the filtration in two ways: clusters of pinches get one decision, and bridges
-join components that interior edges connect.  With exact areas in the plane:
+In the plane every pinch follows its vote, so the mesh differs from the filtration only in bridges,
+which join components that interior edges connect.  With exact areas:
 
 * the vertex of a pinch across a gap lies midway between two dropped cells, where the gap is at
-  least as wide; so it is exterior, and since this holds for all pinches of a gap, no cluster is
-  mixed;
+  least as wide; so it is exterior, and all pinches of a gap are separated;
 * an edge between two dropped cells is exterior for the same reason, so no path of edges crosses the
   gap;
 * but a pinch whose vertex is exterior may have two interior edges beside one of its empty cells,
@@ -107,7 +106,7 @@ def compare_with_meshes(n_trials: int, samples: int, rng: np.random.Generator) -
                 "filtration_joins": width <= opening[0, 0, RULES.index("filtration")],
                 "bare_mesh_joins": bare.predicted.betti_0 == 1,
                 "mesh_joins": resolved.mesh.measurement.by_euler.betti_0 == 1,
-                "clusters_overruled": bare.decisions.clusters_overruled,
+                "overruled": bare.n_overruled,
                 "bridges": resolved.cells.n_bridges,
                 "in_window": width <= crossing,
             }

@@ -20,8 +20,8 @@ the lower dimensions::
                have their own width, clamped to the range of the adjacent cells
     sub-cells  all have their own width, as in the theorem's proof
 
-In the plane our meshes agree with the filtration (`studies.gap_meshes`); in space the edges
-and vertices of a cluster of pinches may disagree, and the policy for mixed clusters decides.
+In the plane our meshes agree with the filtration (`studies.gap_meshes`), and in space wherever no
+vote is overruled (`studies.contacts`).
 """
 
 from __future__ import annotations

@@ -2,40 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
-from studies.methods.raw_mesh import closed_betti
+from studies.methods.digital_topology import closed_betti, open_betti
 from studies.placements import lay_grids, random_placements
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.pinches import find_pinches
 from tusqh.geometry.kinds import Surface
-from tusqh.settings.policy import MixedPinches, Policy
+from tusqh.settings.policy import Policy
 from tusqh.topology.betti_numbers import BettiNumbers
-from tusqh.topology.effective import effective_betti
 
 BETTI = ["betti_0", "betti_1", "betti_2"]
 
 #: Schemes without sub-cells: kept cells are joined where they touch, or only by shared facets.
 TOUCHING, BY_FACETS = "raw cells", "raw cells, by facets"
-#: Schemes that decide by sub-cells, one for each way to resolve mixed clusters of pinches.
-MIXED_PINCHES: tuple[MixedPinches, ...] = ("separate", "majority", "connect")
-SUB_CELLS_SEPARATE, SUB_CELLS_MAJORITY, SUB_CELLS_CONNECT = (
-    f"sub-cells, {mixed}" for mixed in MIXED_PINCHES
-)
-#: Scheme with the policy of the model, which can also remove small features.
+#: Scheme in which every contact follows the vote of its sub-cell.
+SUB_CELLS = "sub-cells"
+#: The same with the policy of the model, which can also remove small features.
 AS_CONFIGURED = "tusqh, as configured"
-SCHEMES = (
-    TOUCHING,
-    BY_FACETS,
-    SUB_CELLS_SEPARATE,
-    SUB_CELLS_MAJORITY,
-    SUB_CELLS_CONNECT,
-    AS_CONFIGURED,
-)
+SCHEMES = (TOUCHING, BY_FACETS, SUB_CELLS, AS_CONFIGURED)
 
 #: Thresholds of the study in addition to that of the model.
 STUDY_THRESHOLDS = (0.1, 0.3, 0.5, 0.7, 0.9)
@@ -59,7 +46,7 @@ def vary_placement(
     geometry
         The model.
     policy
-        The policy of the model for pinches, bridges and small features.
+        The policy of the model for bridges and small features.
     thresholds
         Volume-fraction thresholds.
     sizes
@@ -81,36 +68,26 @@ def vary_placement(
     rows: list[tuple[Any, ...]] = []
     for number, placement in enumerate(placements):
         for size, fractions in lay_grids(geometry, placement, sizes, **how):
-            sets = {m: CellSets(fractions, Policy(m, policy.bridges)) for m in MIXED_PINCHES}
+            plain = CellSets(fractions, Policy(bridges=policy.bridges))
             configured = CellSets(fractions, policy)
             for threshold in thresholds:
-                found = _predict(sets, configured, threshold)
+                found = _predict(plain, configured, threshold)
                 rows += [(number, size, threshold, s, *found[s]) for s in SCHEMES]
         if progress is not None:
             progress(number + 1, count)
     return pd.DataFrame(rows, columns=["placement", "cells", "threshold", "scheme", *BETTI])
 
 
-def _predict(
-    sets: Mapping[MixedPinches, CellSets], configured: CellSets, threshold: float
-) -> dict[str, BettiNumbers]:
-    """Return the Betti numbers of each scheme; schemes that must agree are computed once."""
-    kept = configured.fractions.cells >= threshold
-    pinches = find_pinches(kept)
-    separated = sets["separate"].at(threshold)
-    decided = {"separate": separated.predicted}
-    for mixed in MIXED_PINCHES[1:]:
-        is_same = separated.decisions.clusters_overruled == 0
-        decided[mixed] = decided["separate"] if is_same else sets[mixed].at(threshold).predicted
-    policy = configured.policy
-    is_plain = keeps_all(policy)
+def _predict(plain: CellSets, configured: CellSets, threshold: float) -> dict[str, BettiNumbers]:
+    """Return the Betti numbers of each scheme."""
+    kept = plain.fractions.cells >= threshold
+    decided = plain.at(threshold).predicted
+    is_plain = keeps_all(configured.policy)
     return {
         TOUCHING: closed_betti(kept),
-        BY_FACETS: effective_betti(kept, np.zeros_like(pinches), pinches),
-        **{f"sub-cells, {mixed}": decided[mixed] for mixed in MIXED_PINCHES},
-        AS_CONFIGURED: decided[policy.mixed_pinches]
-        if is_plain
-        else configured.at(threshold).predicted,
+        BY_FACETS: open_betti(kept),
+        SUB_CELLS: decided,
+        AS_CONFIGURED: decided if is_plain else configured.at(threshold).predicted,
     }
 
 

@@ -21,15 +21,14 @@ from studies.examples import (
 )
 from studies.methods.exact_fractions import Polygon, exact_fractions
 from studies.methods.raw_mesh import raw_mesh
-from tusqh.antialias.cells import CellSets
-from tusqh.antialias.clusters import CONNECT, SEPARATE, Decisions, decide_by_vote
+from tusqh.antialias.cells import CellSet, CellSets
 from tusqh.antialias.pinches import find_pinch_edges, find_pinches, pinch_table
-from tusqh.antialias.resolve import build_mesh, resolve
-from tusqh.grid import BackgroundGrid, BoolArray
+from tusqh.antialias.resolve import build_mesh
+from tusqh.contacts.one_material import MATERIAL
+from tusqh.grid import BackgroundGrid, BoolArray, doubled
 from tusqh.meshes.volume_mesh import KINDS, VolumeMesh
-from tusqh.settings.policy import MixedPinches
-from tusqh.topology.betti_numbers import BettiNumbers
-from tusqh.topology.effective import effective_betti
+from tusqh.sampling.fractions import VolumeFractions
+from tusqh.settings.policy import Policy
 
 STAGES = ("raw", "separated", "connected")
 
@@ -85,23 +84,17 @@ def tabulate_catalogue() -> tuple[pd.DataFrame, pd.DataFrame]:
     for dim in (2, 3):
         grid = BackgroundGrid(shape=(2,) * dim, cell_size=1.0, origin=(0.0,) * dim)
         for number, kept in enumerate(list_configurations(dim), start=1):
-            pinches = find_pinches(kept)
             for stage in STAGES:
-                votes = np.full(pinches.shape, stage == "connected")
-                decisions = decide_by_vote(pinches, votes)
-                rounds = 0
-                if stage == "raw":
-                    mesh = raw_mesh(kept)
-                else:
-                    mesh, rounds = resolve(kept, decisions, grid, name="pinch")
+                cells = decide_by_votes(kept, stage == "connected", grid)
+                mesh = raw_mesh(kept) if stage == "raw" else build_mesh(cells, grid).mesh
                 name = {"dimension": dim, "case": number, "stage": stage}
                 facts.append(
                     {
                         **name,
                         "cells": int(kept.sum()),
                         "pinch_edges": _count_pinch_edges(kept),
-                        "closing_rounds": rounds,
-                        **mesh_facts(mesh, _effective(kept, decisions)),
+                        "overruled": cells.n_overruled,
+                        **mesh_facts(mesh, cells.predicted),
                         "min_scaled_jacobian": _smallest_jacobian(mesh),
                     }
                 )
@@ -109,9 +102,24 @@ def tabulate_catalogue() -> tuple[pd.DataFrame, pd.DataFrame]:
     return pd.DataFrame(facts), pd.concat(elements, ignore_index=True)
 
 
-def _effective(kept: BoolArray, decisions: Decisions) -> BettiNumbers:
-    at_vertex = decisions.at_vertex
-    return effective_betti(kept, at_vertex == CONNECT, at_vertex == SEPARATE)
+def decide_by_votes(kept: BoolArray, votes: BoolArray | bool, grid: BackgroundGrid) -> CellSet:
+    """Return kept cells whose contacts are decided by given votes, without bridges.
+
+    Parameters
+    ----------
+    kept
+        Kept cells, shape n.
+    votes
+        Whether each place of the doubled grid votes to connect, shape ``2 n + 1``, or one value
+        for all places.
+    grid
+        The background grid.
+    """
+    values = np.zeros(tuple(2 * n + 1 for n in kept.shape))
+    values[...] = votes
+    values[doubled.cells(kept.ndim)] = kept
+    fractions = VolumeFractions.from_values(grid, 4, values)
+    return CellSets(fractions, Policy(bridges="none")).at(0.5)
 
 
 def _count_pinch_edges(kept: BoolArray) -> int:
@@ -135,7 +143,7 @@ def _element_rows(name: dict[str, Any], mesh: VolumeMesh) -> pd.DataFrame:
     return table
 
 
-#: Two staircases of pinches, hence two clusters, with cells without pinches between them.
+#: Two staircases of pinches, with cells without pinches between them.
 _STAIRS = np.array(
     [[1, 0, 1, 0, 0, 0, 1, 0, 1], [0, 1, 0, 1, 0, 1, 0, 1, 0], [1, 0, 1, 0, 0, 0, 1, 0, 1]],
     dtype=bool,
@@ -143,11 +151,10 @@ _STAIRS = np.array(
 
 
 def resolve_series() -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return facts and shapes of pinches in series, which form two clusters.
+    """Return facts and shapes of pinches in series, each of which follows its own vote.
 
-    The panels show the raw cells; all votes to separate; all votes to connect; one cluster each way
-    (`both`); and, in the last two panels, alternating votes, which the policy for mixed clusters
-    decides.
+    The panels show the raw cells; all votes to separate; all votes to connect; one staircase each
+    way; and alternating votes.
 
     Returns
     -------
@@ -157,30 +164,27 @@ def resolve_series() -> tuple[pd.DataFrame, pd.DataFrame]:
     grid = BackgroundGrid(shape=_STAIRS.shape, cell_size=1.0, origin=(0.0, 0.0))
     pinches = find_pinches(_STAIRS)
     x, y = np.indices(pinches.shape)
-    left, every_other = x < pinches.shape[0] / 2, (x + y) % 2 == 0
     everywhere = np.ones_like(pinches)
-    trials: list[tuple[str, BoolArray, MixedPinches]] = [
-        ("raw", ~everywhere, "separate"),
-        ("separated", ~everywhere, "separate"),
-        ("connected", everywhere, "separate"),
-        ("both", left, "separate"),
-        ("mixed: separate", every_other, "separate"),
-        ("mixed: connect", every_other, "connect"),
-    ]
+    trials = {
+        "raw": ~everywhere,
+        "separated": ~everywhere,
+        "connected": everywhere,
+        "one staircase each way": x < pinches.shape[0] / 2,
+        "alternating": (x + y) % 2 == 0,
+    }
     facts, shapes = [], []
-    for panel, votes, policy in trials:
-        decisions = decide_by_vote(pinches, votes, mixed_pinches=policy)
-        is_raw = panel == "raw"
-        mesh = raw_mesh(_STAIRS) if is_raw else resolve(_STAIRS, decisions, grid, name=panel)[0]
+    for panel, votes in trials.items():
+        on_doubled = np.zeros(tuple(2 * n + 1 for n in _STAIRS.shape), dtype=bool)
+        on_doubled[doubled.vertices(2)] = votes
+        cells = decide_by_votes(_STAIRS, on_doubled, grid)
+        mesh = raw_mesh(_STAIRS) if panel == "raw" else build_mesh(cells, grid, name=panel).mesh
         facts.append(
             {
                 "panel": panel,
-                "pinches": decisions.n_pinches,
+                "contacts": cells.n_contacts,
                 "votes_to_connect": int((pinches & votes).sum()),
-                "clusters": decisions.n_clusters,
-                "clusters_overruled": decisions.clusters_overruled,
-                "pinches_connected": int((decisions.at_vertex == CONNECT).sum()),
-                **mesh_facts(mesh, _effective(_STAIRS, decisions)),
+                "joined_contacts": int((cells.decision.contacts.ball == MATERIAL).sum()),
+                **mesh_facts(mesh, cells.predicted),
             }
         )
         interior = grid.to_points(np.argwhere(pinches & votes))[:, None]
@@ -207,6 +211,7 @@ def connect_edges() -> tuple[pd.DataFrame, pd.DataFrame]:
         for k, (y, w) in enumerate(((3, 0.8), (2, 0.55), (4, 0.3)))
     ]
     fractions = exact_fractions(polygons, grid)
+    bare = CellSets(fractions, Policy(bridges="none"))
     facts, shapes = [], []
     for threshold in THRESHOLDS:
         panel = f"threshold {threshold:g}"
@@ -217,7 +222,7 @@ def connect_edges() -> tuple[pd.DataFrame, pd.DataFrame]:
                 "panel": panel,
                 "threshold": threshold,
                 "cells": int(cells.kept.sum()),
-                "raw_components": _effective(cells.kept, cells.decisions).betti_0,
+                "raw_components": bare.at(threshold).predicted.betti_0,
                 "bridges": resolved.cells.n_bridges,
                 **mesh_facts(resolved.mesh, resolved.cells.predicted),
             }

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from studies.methods.raw_mesh import closed_betti, raw_mesh
+from studies.methods.digital_topology import closed_betti
+from studies.methods.raw_mesh import raw_mesh
 from studies.methods.stiffness import (
     assemble_stiffness,
     count_kernel,

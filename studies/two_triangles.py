@@ -22,6 +22,7 @@ import numpy as np
 import pandas as pd
 
 from studies.examples import GEOMETRY, cell_rows, shape_rows
+from studies.methods.digital_topology import closed_betti
 from studies.methods.exact_fractions import (
     Polygon,
     area_in_boxes,
@@ -30,7 +31,6 @@ from studies.methods.exact_fractions import (
 )
 from tusqh.antialias.cells import CellSets
 from tusqh.grid import BackgroundGrid
-from tusqh.topology.effective import effective_betti
 
 #: The corners of each case, by the numerator of their x coordinate over 3.
 CASES = {"2/3": (2,), "1/3": (1,), "both": (2, 1)}
@@ -140,8 +140,7 @@ def _row(case: str, level: int) -> dict[str, Any]:
     grid = grid_of(case, level)
     polygons = [[(float(a), float(b)) for a, b in block] for block in blocks_of(case)]
     kept = exact_cell_fractions(polygons, grid) >= 0.5
-    none = np.zeros(tuple(n + 1 for n in kept.shape), dtype=bool)
-    raw = effective_betti(kept, none, none)
+    raw = closed_betti(kept)
     fractions = {thirds: corner_fraction(thirds, level) for thirds in CASES[case]}
     row: dict[str, Any] = {
         "case": case,

@@ -88,7 +88,7 @@ def test_the_mesh_alone_is_enough(folder):
         (("mesh", "sha256"), "0" * 64, "certificate_mesh"),
         (("checks",), [], "certificate_checks"),
         (("features",), [], "certificate_features"),
-        (("pinches", "clusters"), 99, "certificate_pinches"),
+        (("contacts", "decided"), 99, "certificate_contacts"),
         (("holds",), False, "certificate_holds"),
         (
             ("selection", "threshold"),

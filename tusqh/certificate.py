@@ -39,7 +39,7 @@ _TITLES = {
     "euler": "Betti numbers by Euler characteristic",
     "boundary": "Betti numbers by boundary",
     "predicted": "predicted Betti numbers",
-    "pinches": "pinches from the fractions",
+    "contacts": "contacts from the fractions",
     "features": "removed and filled features from the fractions",
     "checks": "checks of the mesh",
     "holds": "holds",
@@ -80,7 +80,7 @@ def make_certificate(
     of_mesh, of_cells = _claim_of_mesh(measured), _claim_of_cells(cells, selection.raw)
     chosen = selection.to_dict()
     certificate = {
-        "certificate": 2,
+        "certificate": 3,
         "model": name,
         "tusqh": __version__,
         "mesh": {"file": mesh_file.name, "sha256": hash_file(mesh_file)},
@@ -88,7 +88,7 @@ def make_certificate(
         "selection": {key: chosen[key] for key in chosen if key not in ("raw", "predicted")},
         "predicted": {"raw": of_cells["raw"], "effective": of_cells["effective"]},
         "measured": {"euler": of_mesh["euler"], "boundary": of_mesh["boundary"]},
-        "pinches": of_cells["pinches"],
+        "contacts": of_cells["contacts"],
         "bridges": _to_records(cells.bridge_table),
         "features": of_cells["features"],
         "checks": of_mesh["checks"],
@@ -182,14 +182,12 @@ def _claim_of_mesh(measured: Measurement) -> dict[str, Any]:
 
 def _claim_of_cells(cells: CellSet, raw: BettiNumbers) -> dict[str, Any]:
     """Return the claims about the fractions at the threshold, before meshing."""
-    decisions = cells.decisions
     return {
         "raw": list(raw),
         "effective": list(cells.predicted),
-        "pinches": {
-            "clusters": decisions.n_clusters,
-            "overruled_clusters": decisions.clusters_overruled,
-            "overruled_pinches": decisions.pinches_overruled,
+        "contacts": {
+            "decided": cells.n_contacts,
+            "overruled": cells.n_overruled,
         },
         "features": _to_records(cells.features),
     }
@@ -202,7 +200,7 @@ def _claims_in(stored: Mapping[str, Any]) -> dict[str, Any]:
         **stored["predicted"],
         **stored["measured"],
         "predicted": stored["predicted"]["effective"],
-        **{key: stored[key] for key in ("pinches", "features", "checks", "holds")},
+        **{key: stored[key] for key in ("contacts", "features", "checks", "holds")},
     }
 
 

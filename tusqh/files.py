@@ -87,7 +87,7 @@ def _columns(*parts: str) -> tuple[str, ...]:
 
 
 _BETTI = "betti_0 betti_1 betti_2"
-_CELL_SET = "cells clusters overruled bridges removed filled"
+_CELL_SET = "cells contacts overruled bridges removed filled"
 _AT = "{0}_at {0}_i {0}_j {0}_k {0}_x {0}_y {0}_z"
 
 _GEOMETRY_TO_SELECTION = (
@@ -193,8 +193,7 @@ _MESH_TO_VERDICT = (
         "verification.csv",
         "the predicted and measured topology at every threshold of the sweep",
         _columns(
-            "model material dimension grid threshold cells_kept elements",
-            "pinch_clusters clusters_overruled",
+            "model material dimension grid threshold cells_kept elements contacts overruled",
             "betti_0_predicted betti_1_predicted betti_2_predicted",
             "betti_0_measured betti_1_measured betti_2_measured",
             "manifold conforming min_scaled_jacobian holds",

@@ -34,7 +34,7 @@ def draw_examples(facts: pd.DataFrame, shapes: pd.DataFrame) -> Figure:
             name = f"{fact['example']}: {stage}"
             title = rf"{name}, $\beta_0$ = {b0}, $\beta_1$ = {b1}"
             if stage == "before":
-                title += f", {fact['pinches']} pinches"
+                title += f", {fact['contacts']} contacts"
             draw_shapes(axes[row, column], shapes[shapes["panel"] == name], title)
     figure.legend(
         handles=legend_of(shapes), loc="outside lower center", ncols=9, frameon=False, fontsize=8

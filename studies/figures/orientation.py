@@ -6,15 +6,14 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from studies.orientation import AS_CONFIGURED, SUB_CELLS_MAJORITY, SUB_CELLS_SEPARATE
+from studies.orientation import AS_CONFIGURED, SUB_CELLS
 from tusqh.figures import style
 
 _LOOKS = {
-    SUB_CELLS_SEPARATE: (style.SEPARATING, "s"),
-    SUB_CELLS_MAJORITY: (style.INTERIOR_VERTEX, "o"),
+    SUB_CELLS: (style.INTERIOR_VERTEX, "o"),
     AS_CONFIGURED: (style.CONNECTING, "D"),
 }
-_SHIFTS = (-0.1, 0.1, 0.3)
+_SHIFTS = (0.0, 0.2)
 
 
 def draw_orientation(spread: pd.DataFrame, pooled: pd.DataFrame) -> Figure:
@@ -40,7 +39,7 @@ def draw_orientation(spread: pd.DataFrame, pooled: pd.DataFrame) -> Figure:
             .set_index("model")
             .loc[models, f"raw_{column}"]
         )
-        panel.plot(raw, at - 0.3, "o", color=style.OUTLINE, label="raw cells")
+        panel.plot(raw, at - 0.2, "o", color=style.OUTLINE, label="raw cells")
     for shift, (scheme, (colour, marker)) in zip(_SHIFTS, _LOOKS.items(), strict=True):
         of_scheme = chosen[chosen["scheme"] == scheme].set_index("model").loc[models]
         look = {"ls": "", "marker": marker, "color": colour, "label": scheme}

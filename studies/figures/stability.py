@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from studies.orientation import AS_CONFIGURED, SUB_CELLS_MAJORITY, TOUCHING
+from studies.orientation import AS_CONFIGURED, SUB_CELLS, TOUCHING
 from studies.stability import ROBUST
 from tusqh.figures import style
 
@@ -17,8 +17,8 @@ from tusqh.figures import style
 def draw_stability(stability: pd.DataFrame, *, threshold: float, name: str) -> Figure:
     """Return a figure with maps of the most frequent topology of raw cells and of our meshes.
 
-    There are two maps of our meshes: mixed clusters of pinches follow their majority in the first,
-    and the configuration in the second.
+    There are two maps of our meshes: the first removes no small features, the second follows the
+    configuration.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def draw_stability(stability: pd.DataFrame, *, threshold: float, name: str) -> F
         1, 3, width=3.2 + 3.0 * len(cells), height=0.4 * len(thresholds) + 2.0
     )
     image: Any = None
-    for panel, scheme in zip(axes[0], (TOUCHING, SUB_CELLS_MAJORITY, AS_CONFIGURED), strict=True):
+    for panel, scheme in zip(axes[0], (TOUCHING, SUB_CELLS, AS_CONFIGURED), strict=True):
         of_scheme = stability[stability["scheme"] == scheme]
         image = panel.imshow(
             of_scheme.pivot(index="threshold", columns="cells", values="agreement").to_numpy(),

@@ -1,14 +1,11 @@
-"""Make the mesh and compute the topology of kept cells whose pinches are not resolved."""
+"""Make the mesh of kept cells whose pinches are not resolved."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from tusqh.antialias.pinches import find_pinches
 from tusqh.grid import HEX_CORNERS, QUAD_CORNERS, BackgroundGrid, BoolArray
 from tusqh.meshes.volume_mesh import GRID_CELL, VolumeMesh
-from tusqh.topology.betti_numbers import BettiNumbers
-from tusqh.topology.effective import effective_betti
 
 
 def raw_mesh(
@@ -46,22 +43,3 @@ def raw_mesh(
         grid_cell=np.flatnonzero(kept).astype(np.int64),
         name=name,
     )
-
-
-def closed_betti(kept: BoolArray) -> BettiNumbers:
-    """Return the Betti numbers of kept cells that are joined wherever they touch.
-
-    They are the Betti numbers with all pinches connected.
-
-    Parameters
-    ----------
-    kept
-        Whether each cell is kept, shape n.
-
-    Examples
-    --------
-    >>> str(closed_betti(np.eye(3, dtype=bool)))
-    '(1, 0, 0)'
-    """
-    pinches = find_pinches(kept)
-    return effective_betti(kept, pinches, np.zeros_like(pinches))

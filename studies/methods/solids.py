@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from studies.methods.raw_mesh import closed_betti
+from studies.methods.digital_topology import closed_betti
 from tusqh.geometry.soup import Soup
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.measure import measure

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from oracles import betti_by_rank
 
-from tusqh.antialias import resolve as resolve_module
-from tusqh.antialias.bridges import ACCEPTED, NO_ROOM, REJECTED
+from tusqh.antialias.bridges import ACCEPTED, NO_ROOM
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
 from tusqh.grid import BackgroundGrid
@@ -52,10 +51,10 @@ def test_a_straight_path_joins_two_islands():
     assert (row["kind"], row["edges"], row["length"], row["status"]) == ("path", 3, 3.0, ACCEPTED)
     mesh = resolved.mesh
     is_bridge = mesh.kind == BRIDGE
-    assert is_bridge.sum() == 2 * 3 + 2
-    # The strip is half a cell wide; its ends lose four corners and gain two trapezoids of 3/16.
+    # Four vertices have a ball of four kites, and three edges have two quads.
+    assert is_bridge.sum() == 4 * 4 + 3 * 2
     area = element_volumes(mesh.points, mesh.cells)[is_bridge].sum()
-    assert area == pytest.approx(3 * 0.5 - 4 * 1 / 32 + 2 * 3 / 16)
+    assert area == pytest.approx(22 * 3 / 32)
     scaled = smallest_jacobians(mesh.points, mesh.cells)[1]
     assert scaled.min() >= np.sqrt(0.5) - 1e-12
 
@@ -109,13 +108,21 @@ def test_a_forest_makes_no_hole_and_all_may():
     assert both.cells.n_bridges == 2
 
 
-def test_no_room_is_reported():
-    """A connecting template already fills the cell next to the only path."""
+def test_a_path_through_the_middle_of_another_one_is_reported():
+    """Three islands around a fork; the two nearer ones are joined first, through the fork."""
+    kept = np.zeros((4, 4), dtype=bool)
+    kept[0, 0] = kept[3, 0] = kept[2, 3] = True
+    fork = build(field(kept, [(3, 2), (4, 2), (5, 2), (4, 3), (4, 4), (4, 5)]))
+    assert fork.cells.predicted == (2, 0, 0)
+    assert fork.cells.bridge_table["status"].tolist() == [ACCEPTED, NO_ROOM]
+
+
+def test_a_connecting_pinch_beside_a_path_leaves_room_for_it():
     kept = np.zeros((5, 4), dtype=bool)
     kept[0, 0] = kept[3, 1] = kept[4, 1] = kept[2, 2] = True
     crowded = build(field(kept, [*WAY[:3], (6, 4)]))  # The pinch at (6, 4) connects.
-    assert crowded.cells.predicted == (2, 0, 0)
-    assert crowded.cells.bridge_table["status"].tolist() == [NO_ROOM]
+    assert crowded.cells.predicted == (1, 0, 0)
+    assert crowded.cells.bridge_table["status"].tolist() == [ACCEPTED]
 
 
 @pytest.mark.parametrize("mode", ["forest", "all"])
@@ -134,7 +141,6 @@ def test_random_archipelagos(start, mode):
         scaled = smallest_jacobians(resolved.mesh.points, resolved.mesh.cells)[1]
         assert scaled.min(initial=1.0) >= np.sqrt(0.5) - 1e-12, seed
         table = resolved.cells.bridge_table
-        assert REJECTED not in set(table["status"]), seed
         if mode == "forest":
             fell = plain.predicted.betti_0 - resolved.cells.predicted.betti_0
             assert fell == resolved.cells.n_bridges, seed
@@ -143,26 +149,6 @@ def test_random_archipelagos(start, mode):
         n_pinches += (table["kind"] == "pinch").sum()
     assert n_paths > 50
     assert n_pinches > 10
-
-
-def test_a_bridge_that_the_mesh_rejects_is_left_out_and_reported(monkeypatch):
-    kept = np.zeros((9, 4), dtype=bool)
-    kept[0, 0] = kept[4, 1] = kept[8, 0] = True
-    ways = [(x, 2) for x in (3, 4, 5, 6, 7, 11, 12, 13, 14, 15)]
-    fractions = field(kept, ways)
-    assert build(fractions).cells.predicted == (1, 0, 0)
-    real = resolve_module.resolve
-
-    def fail_beyond_the_middle(*arguments, bridges=(), **options):
-        mesh, n_rounds = real(*arguments, bridges=bridges, **options)
-        if any(path[:, 0].max() > 6 for path in bridges):
-            mesh, n_rounds = real(*arguments, **options)
-        return mesh, n_rounds
-
-    monkeypatch.setattr(resolve_module, "resolve", fail_beyond_the_middle)
-    resolved = build(fractions)
-    assert resolved.cells.predicted == (2, 0, 0)
-    assert sorted(resolved.cells.bridge_table["status"]) == [ACCEPTED, REJECTED]
 
 
 def test_the_papers_wedge_is_one_piece_and_the_gap_is_open(repository):
@@ -176,5 +162,5 @@ def test_the_papers_wedge_is_one_piece_and_the_gap_is_open(repository):
     gap = read_file(folder / "gap.svg").geometry
     fractions = sample_fractions(gap, lay_grid(gap, None, cells=26))
     resolved = build(fractions)
-    assert resolved.cells.decisions.n_pinches > 15
+    assert resolved.cells.n_contacts > 15
     assert resolved.cells.predicted == (2, 0, 0)

@@ -1,23 +1,26 @@
-"""Exhaustive tests of every neighbourhood of a vertex and of every 4 x 4 field."""
+"""Exhaustive tests of every neighbourhood of a vertex in the plane and of every 3 x 3 field."""
 
 import itertools
 
 import numpy as np
 import pytest
+from fields import decide_votes, fractions_of_votes
 from oracles import betti_by_rank
 
-from tusqh.antialias.clusters import CONNECT, SEPARATE, decide_by_vote
+from tusqh.antialias.cells import CellSets
 from tusqh.antialias.pinches import find_pinches, neighbourhood_codes, pinch_table
-from tusqh.antialias.resolve import resolve
+from tusqh.antialias.resolve import build_mesh
 from tusqh.grid import BackgroundGrid
 from tusqh.meshes.checks import check_mesh
 from tusqh.meshes.jacobians import element_volumes
-from tusqh.topology.effective import effective_betti
+from tusqh.settings.policy import Policy
 
 
-def mesh_of(kept, decisions):
+def mesh_of(kept, votes):
+    """Return the decided cells and their mesh."""
+    cells = decide_votes(kept, votes)
     grid = BackgroundGrid(shape=kept.shape, cell_size=1.0, origin=(0.0, 0.0))
-    return resolve(kept, decisions, grid)
+    return cells, build_mesh(cells, grid).mesh
 
 
 @pytest.mark.parametrize("code", range(16))
@@ -27,20 +30,20 @@ def test_all_neighbourhoods_with_both_decisions(code, connect):
     assert neighbourhood_codes(kept)[1, 1] == code
     pinches = find_pinches(kept)
     assert pinches[1, 1] == (code in (0b0110, 0b1001))
-    assert pinches.sum() == pinches[1, 1]
-    mesh, rounds = mesh_of(kept, decide_by_vote(pinches, np.full(pinches.shape, connect)))
-    assert rounds == 0
+    cells, mesh = mesh_of(kept, connect)
+    assert cells.n_contacts == pinches.sum() == pinches[1, 1]
     assert all(check.holds for check in check_mesh(mesh))
     n_kept = int(kept.sum())
     if not pinches.any():
         assert mesh.n_cells == n_kept
         assert betti_by_rank(mesh.cells) == (min(n_kept, 1), 0, 0)
         return
-    assert mesh.n_cells == 6
+    # Each of the two cells has an inner cell, two trapezoids and two quads; the ball has 4 kites.
+    assert mesh.n_cells == 2 * 5 + 4 * connect
     assert betti_by_rank(mesh.cells) == ((1 if connect else 2), 0, 0)
     area = element_volumes(mesh.points, mesh.cells).sum()
-    # Connecting adds four trapezoids of 3/16, separating removes four.
-    assert area == pytest.approx(2 + (4 if connect else -4) * 3 / 16)
+    # The ball has the area 3/8; half of it lies in the two cells.
+    assert area == pytest.approx(2 + (1 if connect else -1) * 3 / 16)
 
 
 def test_the_two_pinches_of_the_plane_are_the_diagonals():
@@ -70,25 +73,33 @@ def test_pinch_table_in_space_matches_a_hand_count():
     assert pinch_table(3).sum() == expected
 
 
-@pytest.mark.parametrize("policy", ["separate", "connect", "majority"])
-def test_every_3_x_3_field_and_every_vote_of_its_pinches(policy):
-    """All 512 fields with all votes give manifold meshes with the predicted topology."""
+def test_every_3_x_3_field_and_every_vote_of_its_pinches():
+    """All 512 fields with all votes follow every vote, and have the diagram's topology."""
     n_meshes = 0
     for code in range(512):
         kept = (code >> np.arange(9) & 1).astype(bool).reshape(3, 3)
-        pinches = find_pinches(kept)
-        places = np.argwhere(pinches)
+        places = np.argwhere(find_pinches(kept))
         for votes in itertools.product((False, True), repeat=len(places)):
-            ballot = np.zeros(pinches.shape, dtype=bool)
-            ballot[tuple(places.T)] = votes
-            decisions = decide_by_vote(pinches, ballot, mixed_pinches=policy)
-            mesh, rounds = mesh_of(kept, decisions)
-            predicted = effective_betti(
-                kept, decisions.at_vertex == CONNECT, decisions.at_vertex == SEPARATE
-            )
-            assert rounds == 0
-            assert betti_by_rank(mesh.cells) == predicted
+            ballot = np.zeros((7, 7), dtype=bool)
+            ballot[tuple(2 * places.T)] = votes
+            cells, mesh = mesh_of(kept, ballot)
+            cell_sets = CellSets(fractions_of_votes(kept, ballot), Policy(bridges="none"))
+            assert cells.n_overruled == 0
+            assert cells.predicted == cell_sets.topology.betti_at(0.5)
+            assert betti_by_rank(mesh.cells) == cells.predicted
             n_meshes += 1
             if len(places):
                 assert all(check.holds for check in check_mesh(mesh)), (code, votes)
     assert n_meshes > 512
+
+
+@pytest.mark.parametrize("fraction", [0.5, 0.25])
+def test_a_fraction_equal_to_the_threshold_connects(fraction):
+    kept = np.eye(2, dtype=bool)
+    values = fractions_of_votes(kept, votes=False).values.copy()
+    values[2, 2] = fraction
+    from_values = fractions_of_votes(kept, votes=False).from_values
+    grid = BackgroundGrid(shape=(2, 2), cell_size=1.0, origin=(0.0, 0.0))
+    cell_sets = CellSets(from_values(grid, 4, values), Policy(bridges="none"))
+    assert cell_sets.at(fraction).predicted == (1, 0, 0)
+    assert cell_sets.at(np.nextafter(fraction, 1)).predicted == (2, 0, 0)

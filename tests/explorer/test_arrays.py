@@ -115,7 +115,7 @@ def test_the_mesh_comes_back_from_its_facets(subject):
     points, corners, first, second, is_inner = decode_mesh(found, mesh.dim)
     np.testing.assert_allclose(grid.to_points(points), mesh.points, atol=1e-5)
     np.testing.assert_array_equal(found["kind"], mesh.kind)
-    np.testing.assert_array_equal(np.cumsum(found["cell"]), mesh.grid_cell)
+    np.testing.assert_array_equal(np.cumsum(found["cell"]), np.maximum(mesh.grid_cell, 0))
     if mesh.dim == 2:
         np.testing.assert_array_equal(corners, mesh.cells)
         return

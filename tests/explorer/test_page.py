@@ -96,8 +96,8 @@ def test_colours_are_those_of_the_figures():
             "--cells 64 --voxel-size 0.5 --full 255",
         ),
         (
-            {"components": {"min_cells": 4}, "mixed_pinches": "connect", "samples": 4},
-            "--cells 64 --mixed-pinches connect --min-cells 4",
+            {"components": {"min_cells": 4}, "samples": 4},
+            "--cells 64 --min-cells 4",
         ),
         (
             {"components": {"keep": 2}, "voids": {"min_cells": 2}, "sampler": "libigl"},

@@ -86,7 +86,7 @@ def test_pinches_are_those_of_the_tables(fractions):
     assert len(cells.features)
     built = build_mesh(cells, fractions.grid, name="plate")
     figure = draw_antialias(fractions, built.mesh, threshold=0.5, unit="mm")
-    n_pinches = built.cells.decisions.n_pinches
+    n_pinches = built.cells.n_contacts
     assert figure.axes[0].get_title().endswith(f"({n_pinches})")
     (dots,) = figure.axes[0].lines
     assert len(dots.get_xdata()) == n_pinches

@@ -8,7 +8,7 @@ import trimesh
 
 import tusqh
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.resolve import build_mesh, resolve
+from tusqh.antialias.resolve import build_mesh
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.meshes.checks import check_mesh
 from tusqh.meshes.facets import find_facets
@@ -62,7 +62,6 @@ def torus():
 def test_every_fact_is_computed_once(torus, goal):
     with Calls(
         build_mesh,
-        resolve,
         find_facets,
         check_mesh,
         betti_by_euler,
@@ -79,7 +78,7 @@ def test_every_fact_is_computed_once(torus, goal):
     counts = calls.counts
     assert set(calls.facets_of.values()) == {1}
     n_meshes = len(result.choice.candidates) if goal == "volume" else 1
-    for name in ("build_mesh", "resolve", "check_mesh", "betti_by_euler", "betti_by_boundary"):
+    for name in ("build_mesh", "check_mesh", "betti_by_euler", "betti_by_boundary"):
         assert counts[name] == n_meshes, name
     for name in ("smallest_jacobians", "element_volumes"):
         assert counts[name] == n_meshes, name

@@ -21,7 +21,7 @@ VALUES = {
     **{"domain": "outside", "rule": "clamped", "orientation": "flip", "sampler": "libigl"},
     **{"tolerance": "1e-3", "window": "0,0,1,1", "voxel_size": "2", "empty": "1", "full": "2"},
     **{"labels": "1", "channel": "0", "threshold": "0.25", "betti": "1,0", "persistence": "0.1"},
-    **{"volume": True, "mixed_pinches": "connect", "bridges": "none", "volume_tolerance": "0.1"},
+    **{"volume": True, "bridges": "none", "volume_tolerance": "0.1"},
     "checks": True,
     **{
         prefix + name: value

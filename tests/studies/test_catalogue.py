@@ -6,7 +6,8 @@ import numpy as np
 from oracles import gudhi_betti
 
 from studies.aliasing import compare_examples, sweep_axis_gap
-from studies.methods.raw_mesh import closed_betti, raw_mesh
+from studies.methods.digital_topology import closed_betti
+from studies.methods.raw_mesh import raw_mesh
 from studies.pinch_catalogue import (
     connect_edges,
     list_configurations,
@@ -44,7 +45,7 @@ def test_every_pinch_is_resolved_both_ways_and_sound():
     assert not raw["sound"].any()
     assert resolved["sound"].all()
     assert resolved["as_predicted"].all()
-    assert (resolved["closing_rounds"] == 0).all()
+    assert (resolved["overruled"] == 0).all()
     assert len(elements) == facts["elements"].sum()
     in_space = raw[raw["dimension"] == 3]
     assert sorted(in_space["pinch_edges"]) == [0, 0, 1, 1, 1, 1, 2, 2, 3, 3, 6]
@@ -55,13 +56,12 @@ def test_raw_topology_against_gudhi():
         assert gudhi_betti(raw_mesh(kept).cells) == closed_betti(kept)
 
 
-def test_series_get_one_decision_per_cluster():
+def test_every_pinch_in_series_follows_its_own_vote():
     facts = resolve_series()[0].set_index("panel")
-    assert facts["clusters"].eq(2).all()
-    assert facts.loc["both", "pinches_connected"] == facts.loc["both", "pinches"] / 2
-    assert facts.loc["both", "clusters_overruled"] == 0
-    assert facts.loc["mixed: separate", "pinches_connected"] == 0
-    assert facts.loc["mixed: connect", "pinches_connected"] == facts.loc["raw", "pinches"]
+    assert facts["joined_contacts"].equals(facts["votes_to_connect"])
+    n = facts.loc["raw", "contacts"]
+    assert facts.loc["one staircase each way", "joined_contacts"] == n / 2
+    assert 0 < facts.loc["alternating", "joined_contacts"] < n
     meshes = facts.drop(index="raw")
     assert meshes["sound"].all()
     assert meshes["as_predicted"].all()
@@ -80,7 +80,7 @@ def test_antialiasing_opens_the_gap_and_joins_the_wedge():
     shapes, facts = compare_examples()
     facts = facts.set_index("example")
     gap, wedge = facts.loc["diagonal gap"], facts.loc["wedge"]
-    assert gap["pinches"] > 0
+    assert gap["contacts"] > 0
     assert (gap["components_before"], gap["components"], gap["holes"]) == (1, 2, 0)
     assert wedge["components_before"] > 1
     assert (wedge["components"], wedge["removed_components"]) == (1, 0)

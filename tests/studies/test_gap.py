@@ -89,7 +89,7 @@ def test_the_real_mesh_without_bridges_joins_exactly_when_the_filtration_does(sa
     assert table["filtration_joins"].nunique() == 2
     assert table["bare_agrees"].all()
     if samples == 0:
-        assert (table["clusters_overruled"] == 0).all()
+        assert (table["overruled"] == 0).all()
         assert table.loc[~table["agrees"], "in_window"].all()
 
 
@@ -160,20 +160,15 @@ def test_the_real_sampler_measures_the_same_fractions():
         assert measured.values[i, j] == pytest.approx(expected, abs=2**-20)
 
 
-@pytest.mark.parametrize(
-    ("width", "policy", "is_joined"),
-    [(0.8, "connect", True), (0.8, "separate", False), (0.9, "connect", False)],
-)
-def test_an_oblique_plane_gap_is_joined_at_vertices_only_when_mixed_clusters_connect(
-    width, policy, is_joined
-):
+@pytest.mark.parametrize(("width", "is_joined"), [(0.8, True), (0.9, False)])
+def test_an_oblique_plane_gap_is_joined_at_vertices(width, is_joined):
     """Along the diagonal the filtration joins across a gap that no shared face crosses.
 
-    The pinch edges of the same cluster vote differently, so the policy decides in the mesh.
+    The pinched edges vote differently from the vertices, and each follows its own vote.
     """
     normal = normals_of(np.array([[1.0, 1.0]]))[0]
     _, opening = measure_widths(normal[None], np.array([0.25]), EXACT[None], length=5)
     assert (width <= opening[0, 0, RULES.index("filtration")]) == (width < 0.85)
     assert width > opening[0, 0, RULES.index("faces")]
     fractions = gap_fractions(normal, 0.25, width, (17, 5, 5), 0)
-    assert joined(fractions, mixed_pinches=policy) == is_joined
+    assert joined(fractions) == is_joined

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy import ndimage
 from shapely.geometry import Polygon, box
 
 from studies.aliasing import wedge
@@ -20,7 +21,6 @@ from tusqh.geometry.outline import Outline
 from tusqh.grid import BackgroundGrid
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.settings.sampling import Sampling
-from tusqh.topology.effective import label_components
 
 numbers = st.floats(-2, 2)
 
@@ -80,7 +80,6 @@ def test_the_joined_corner_is_where_the_flood_passes():
         grid = grid_of("both", level)
         polygons = [[(float(a), float(b)) for a, b in block] for block in blocks_of("both")]
         kept = exact_cell_fractions(polygons, grid) >= 0.5
-        none = np.zeros(tuple(n + 1 for n in kept.shape), dtype=bool)
         thirds, y = ((1, -1 - grid.cell_size), (2, 0.0))[level % 2 == 0]
         place = tuple(
             int(np.floor((v - o) / grid.cell_size + 1e-9))
@@ -88,7 +87,7 @@ def test_the_joined_corner_is_where_the_flood_passes():
         )
         assert kept[place]
         kept[place] = False
-        assert label_components(kept, none)[1] == 2
+        assert ndimage.label(kept)[1] == 2
 
 
 def test_islands_move_to_the_apex_and_never_go():

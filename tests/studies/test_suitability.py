@@ -5,11 +5,13 @@ import itertools
 import numpy as np
 import pandas as pd
 import pytest
+from fields import decide_votes
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from oracles import gudhi_betti
 
-from studies.methods.raw_mesh import closed_betti, raw_mesh
+from studies.methods.digital_topology import closed_betti
+from studies.methods.raw_mesh import raw_mesh
 from studies.methods.stiffness import (
     assemble_stiffness,
     count_kernel,
@@ -28,9 +30,8 @@ from studies.suitability import (
     summarise_suitability,
 )
 from tusqh.antialias.cells import CellSets
-from tusqh.antialias.clusters import decide_by_vote
 from tusqh.antialias.pinches import find_pinches
-from tusqh.antialias.resolve import resolve
+from tusqh.antialias.resolve import build_mesh
 from tusqh.grid import BackgroundGrid
 from tusqh.meshes.facets import find_facets
 from tusqh.meshes.manifold import find_non_manifold_points
@@ -129,9 +130,7 @@ def test_a_hinge_is_a_mechanism_and_an_edge_in_space_is_one_too():
 @pytest.mark.parametrize("dim", [2, 3])
 def test_matrices_equal_those_of_mfem_on_a_sound_mesh(dim):
     kept = random_cells(3, dim)
-    pinches = find_pinches(kept)
-    decisions = decide_by_vote(pinches, pinches)
-    mesh, _ = resolve(kept, decisions, grid_of(kept.shape))
+    mesh = build_mesh(decide_votes(kept, votes=True), grid_of(kept.shape)).mesh
     operators = assemble(mesh)
     lumped, stiffness = element_matrices(mesh)
     difference = assemble_stiffness(mesh, stiffness) - operators.stiffness

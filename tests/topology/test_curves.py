@@ -95,7 +95,7 @@ def test_raw_equals_effective_where_nothing_is_overruled(seed):
     cell_sets = CellSets(fractions, Policy(bridges="none"))
     for threshold in cell_sets.topology.curves["upper"]:
         cells = cell_sets.at(threshold)
-        if cells.decisions.clusters_overruled == 0:
+        if cells.n_overruled == 0:
             assert cells.predicted == cell_sets.topology.betti_at(threshold)
 
 

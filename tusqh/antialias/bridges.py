@@ -5,30 +5,37 @@ Paper: Anti-aliasing, "for resolving archipelagos"; algorithm 5.  There are two 
 * A *path* of grid edges runs through empty cells from one component to another; all its edges, and
   the vertices between them, are interior (``F >= threshold``).
 * A *pinch* was separated because its own sub-cell is exterior, although its two edges beside one of
-  its empty cells are interior; now its cluster connects instead.
+  its empty cells are interior; now it connects instead.
 
-Pinches are joined first, then paths in order of length.  A path needs room: the cells that it
-touches must be empty and free of other templates, and at each end it attaches to a side of a kept
-cell whose vertices are not separated.
+Pinches are joined first, then paths in order of length.  Every vertex of a path gets a ball, and
+both quads of each of its edges belong to the material (see `tusqh.contacts.planar`)::
+
+    kept |  \___________/  | kept      v: ends of the path; the strip is half a cell wide
+    -----v-----path------v-----
+    kept |  /           \  | kept
+
+Balls and edges fit together whatever surrounds them; paths only have no inner vertex in common.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
-from tusqh.antialias.clusters import CONNECT, SEPARATE, label_clusters
-from tusqh.grid import BackgroundGrid, BoolArray, FloatArray, IntArray
+from tusqh.antialias.components import label_kept
+from tusqh.contacts.decide import Decision
+from tusqh.contacts.decided import Labels
+from tusqh.contacts.one_material import MATERIAL, VOID
+from tusqh.contacts.planar import PlanarDecision
+from tusqh.grid import BackgroundGrid, BoolArray, IntArray
 from tusqh.grid.neighbourhoods import around_vertices
 from tusqh.settings.policy import BridgeMode
-from tusqh.topology.effective import label_components
 
 if TYPE_CHECKING:
     from scipy.cluster.hierarchy import DisjointSet
@@ -48,8 +55,7 @@ BRIDGE_COLUMNS = [
 ]
 
 ACCEPTED = "accepted"
-NO_ROOM = "not joined: no room for templates"
-REJECTED = "not joined: the mesh disagreed"
+NO_ROOM = "not joined: another bridge is in the way"
 
 
 @dataclass(frozen=True)
@@ -70,62 +76,85 @@ class Bridge:
     cells: IntArray
     row: int
 
+    @property
+    def edges(self) -> tuple[IntArray, IntArray]:
+        """The lower end of every edge, shape (m - 1, 2), and the step across it, the same shape."""
+        low = np.minimum(self.vertices[:-1], self.vertices[1:])
+        return low, 1 - np.abs(np.diff(self.vertices, axis=0))
 
-@dataclass(frozen=True)
-class _Edges:
-    """Interior grid edges between two empty cells, given by flat vertices and cells."""
+    def is_needed(self, kept: BoolArray) -> bool:
+        """Return whether both its ends are kept and all cells beside its edges are empty.
 
-    ends: IntArray
-    beside: IntArray
-    attaches: BoolArray
+        Parameters
+        ----------
+        kept
+            Kept cells, shape n.
+        """
+        low, across = self.edges
+        beside = np.concatenate([low, low - across])
+        return bool(kept.ravel()[self.cells].all() and not kept[tuple(beside.T)].any())
 
 
 def join_components(
-    kept: BoolArray,
-    at_vertex: NDArray[np.int8],
-    values: FloatArray,
-    grid: BackgroundGrid,
-    *,
-    threshold: float,
-    mode: BridgeMode,
-) -> tuple[NDArray[np.int8], list[Bridge], pd.DataFrame]:
-    """Return pinch decisions and paths that join components of a 2D grid, and a table of bridges.
+    decision: Decision, is_interior: BoolArray, grid: BackgroundGrid, *, mode: BridgeMode
+) -> tuple[Decision, list[Bridge], pd.DataFrame]:
+    """Return decisions and paths that join components of a 2D grid, and a table of bridges.
 
     Parameters
     ----------
-    kept
-        Kept cells, shape n.
-    at_vertex
-        Decision at every pinch, shape ``n + 1``.
-    values
-        Fractions on the doubled grid, shape ``2 n + 1``.
+    decision
+        The decisions at the contacts of kept cells.
+    is_interior
+        Whether the fraction is at least the threshold, on the doubled grid, shape ``2 n + 1``.
     grid
         The background grid.
-    threshold
-        Volume-fraction threshold, dimensionless.
     mode
         `forest` joins only components that are still separate, so no hole appears; `all` follows
         every path between components that were different at the start.
 
     Returns
     -------
-    at_vertex
-        Decisions with the joined pinches connected.
+    decision
+        The decisions with the joined pinches connected.
     bridges
         The paths.
     table
         One row per bridge: kind, number of edges, length (model units), cells of the two
         components, end points, and whether it was accepted.
     """
-    if mode == "none" or kept.ndim != 2:
-        return at_vertex, [], pd.DataFrame(columns=BRIDGE_COLUMNS)
-    labels, n_components = label_components(kept, at_vertex == CONNECT)
-    joiner = _Joiner(labels, n_components, grid, joins_all=mode == "all")
-    at_vertex = _join_pinches(joiner, kept, at_vertex, values >= threshold)
-    edges = _interior_edges(kept, at_vertex, values >= threshold)
-    bridges = _join_paths(joiner, kept, at_vertex, edges)
-    _report_unjoined(joiner, edges)
-    return at_vertex, bridges, pd.DataFrame(joiner.rows, columns=BRIDGE_COLUMNS)
+    if mode == "none" or not isinstance(decision, PlanarDecision):
+        return decision, [], pd.DataFrame(columns=BRIDGE_COLUMNS)
+    labels = label_kept(decision)
+    joiner = _Joiner(labels, int(labels.max(initial=0)), grid, joins_all=mode == "all")
+    kept = labels > 0
+    ball = decision.ball[1:-1, 1:-1].copy()
+    _join_pinches(joiner, kept, ball, is_interior)
+    ends = _interior_edges(kept, is_interior)
+    bridges = _join_paths(joiner, kept, ends)
+    _report_unjoined(joiner, ends)
+    table = pd.DataFrame(joiner.rows, columns=BRIDGE_COLUMNS)
+    padded = np.pad(ball, 1, constant_values=-1)
+    return replace(decision, ball=padded), bridges, table
+
+
+def lay_bridges(decision: PlanarDecision, bridges: list[Bridge]) -> PlanarDecision:
+    """Return a decision with balls at the vertices of paths and their edges bridged.
+
+    Parameters
+    ----------
+    decision
+        The decisions at the contacts of kept cells.
+    bridges
+        Paths through empty cells.
+    """
+    ball = decision.ball.copy()
+    bridged = np.zeros((2, *decision.labels.shape), dtype=bool)
+    for bridge in bridges:
+        ball[tuple(bridge.vertices.T + 1)] = MATERIAL
+        low, across = bridge.edges
+        below = low + 1 - across
+        bridged[(across.argmax(axis=1), *below.T)] = True
+    return replace(decision, ball=ball, bridged=bridged)
 
 
 class _Joiner:
@@ -150,13 +179,6 @@ class _Joiner:
         """Return whether a bridge between two components is wanted."""
         return a != b and (self.joins_all or not self.joined.connected(a, b))
 
-    def may_join_all(self, pairs: list[tuple[int, int]]) -> bool:
-        """Return whether bridges are wanted between all these pairs if built one after another."""
-        if self.joins_all:
-            return all(a != b for a, b in pairs)
-        together = _disjoint_set({self.joined[label] for pair in pairs for label in pair})
-        return all(together.merge(self.joined[a], self.joined[b]) for a, b in pairs)
-
     def add_row(self, kind: str, a: int, b: int, vertices: IntArray, status: str) -> int:
         """Add a bridge to the table and return its row."""
         ends = self.grid.to_points(vertices[[0, -1]])
@@ -175,10 +197,8 @@ def _disjoint_set(items: Iterable[int]) -> DisjointSet:
     return DisjointSet(items)
 
 
-def _join_pinches(
-    joiner: _Joiner, kept: BoolArray, at_vertex: NDArray[np.int8], is_interior: BoolArray
-) -> NDArray[np.int8]:
-    """Connect the clusters of separated pinches with two interior edges around an empty cell."""
+def _join_pinches(joiner: _Joiner, kept: BoolArray, ball: Labels, is_interior: BoolArray) -> None:
+    """Connect separated pinches with two interior edges around an empty cell, in place."""
     edge = np.pad(is_interior, 1)
     left, right = edge[:-2:2, 1:-1:2], edge[2::2, 1:-1:2]
     down, up = edge[1:-1:2, :-2:2], edge[1:-1:2, 2::2]
@@ -189,81 +209,53 @@ def _join_pinches(
         | (upper_left & left & up)
         | (upper_right & right & up)
     )
-    clusters, n_clusters = label_clusters(at_vertex != 0)
-    has_way = around_empty & (at_vertex == SEPARATE)
-    n_ways = np.bincount(clusters[has_way], minlength=n_clusters + 1)
-    size = np.bincount(clusters.ravel(), minlength=n_clusters + 1)
-    at_vertex = at_vertex.copy()
-    for cluster in np.flatnonzero((n_ways == size) & (size > 0)):
-        places = np.argwhere(clusters == cluster)
-        around = [joiner.label[i : i + 2, j : j + 2].ravel() for i, j in places]
-        pairs = [(int(labels.max()), int(labels[labels > 0].min())) for labels in around]
-        if joiner.may_join_all(pairs):
-            for place, (a, b) in zip(places, pairs, strict=True):
-                joiner.joined.merge(a, b)
-                joiner.add_row("pinch", a, b, place[None], ACCEPTED)
-            at_vertex[clusters == cluster] = CONNECT
-    return at_vertex
+    for i, j in np.argwhere(around_empty & (ball == VOID)):
+        around = joiner.label[i : i + 2, j : j + 2]
+        a, b = int(around.max()), int(around[around > 0].min())
+        if joiner.may_join(a, b):
+            joiner.joined.merge(a, b)
+            joiner.add_row("pinch", a, b, np.array([[i, j]]), ACCEPTED)
+            ball[i, j] = MATERIAL
 
 
-def _interior_edges(kept: BoolArray, at_vertex: NDArray[np.int8], is_interior: BoolArray) -> _Edges:
-    """Return the interior edges between two empty cells of the grid, and where they attach."""
-    vertex = np.arange(at_vertex.size, dtype=np.int64).reshape(at_vertex.shape)
-    cell = np.arange(kept.size, dtype=np.int64).reshape(kept.shape)
-    padded, is_separated = np.pad(kept, 1), at_vertex == SEPARATE
+def _interior_edges(kept: BoolArray, is_interior: BoolArray) -> IntArray:
+    """Return the ends of the interior edges between two empty cells of the grid, shape (m, 2)."""
+    vertex_shape = tuple(n + 1 for n in kept.shape)
+    vertex = np.arange(np.prod(vertex_shape), dtype=np.int64).reshape(vertex_shape)
     # A path may pass only interior vertices, but it may end at any vertex of a kept cell.
-    touches = np.logical_or.reduce(around_vertices(kept))
-    usable = is_interior[::2, ::2] | touches
-    ends, beside, attaches = [], [], []
+    usable = is_interior[::2, ::2] | np.logical_or.reduce(around_vertices(kept))
+    ends = []
     for axis in range(2):
         # Move the axis first, and leave out edges on the border of the grid.
         interior = np.moveaxis(is_interior, axis, 0)[1::2, 2:-2:2]
         empty = ~np.moveaxis(kept, axis, 0)
         at_ends = np.moveaxis(usable, axis, 0)[:, 1:-1]
         mask = interior & empty[:, :-1] & empty[:, 1:] & at_ends[:-1] & at_ends[1:]
-        vertices, cells = np.moveaxis(vertex, axis, 0), np.moveaxis(cell, axis, 0)
+        vertices = np.moveaxis(vertex, axis, 0)
         ends.append(np.stack([vertices[:-1, 1:-1][mask], vertices[1:, 1:-1][mask]], axis=1))
-        beside.append(np.stack([cells[:, :-1][mask], cells[:, 1:][mask]], axis=1))
-        # A kept cell behind an end offers its side if no vertex of the side is separated.
-        behind, taken = np.moveaxis(padded, axis, 0), np.moveaxis(is_separated, axis, 0)
-        free = ~taken[:, :-1] & ~taken[:, 1:]
-        offers = [
-            (c[:, 1:-2] & f[:, :-1]) | (c[:, 2:-1] & f[:, 1:])
-            for c, f in ((behind[:-2], free[:-1]), (behind[2:], free[1:]))
-        ]
-        attaches.append(np.stack([offer[mask] for offer in offers], axis=1))
-    return _Edges(np.concatenate(ends), np.concatenate(beside), np.concatenate(attaches))
+    return np.concatenate(ends)
 
 
-def _join_paths(
-    joiner: _Joiner, kept: BoolArray, at_vertex: NDArray[np.int8], edges: _Edges
-) -> list[Bridge]:
-    """Accept paths that share no cells, the shortest first."""
-    around_vertex = _cells_at_vertices(kept.shape)
-    is_taken = np.zeros(kept.size + 1, dtype=bool)  # The last entry is outside the grid.
-    is_taken[around_vertex[at_vertex.ravel() == CONNECT].ravel()] = True
+def _join_paths(joiner: _Joiner, kept: BoolArray, ends: IntArray) -> list[Bridge]:
+    """Accept paths without common inner vertices or edges, the shortest first."""
     component = joiner.component_at_vertex()
-    is_end = component > 0
+    is_taken = np.zeros(len(component), dtype=bool)
+    is_used = np.zeros(len(ends), dtype=bool)
+    cell_at_vertex = _kept_cell_at_vertices(kept)
     bridges: list[Bridge] = []
     while True:
-        is_free = ~is_taken[edges.beside].any(axis=1)
-        is_open = is_end | ~is_taken[around_vertex].any(axis=1)
-        usable = is_free & is_open[edges.ends].all(axis=1)
-        usable &= (edges.attaches | ~is_end[edges.ends]).all(axis=1)
-        path = _shortest_path(component, edges.ends[usable], joiner.may_join)
+        usable = ~is_used & ~is_taken[ends].any(axis=1)
+        path = _shortest_path(component, ends[usable], joiner.may_join)
         if path is None:
             return bridges
         a, b = component[path[[0, -1]]]
-        vertices = np.stack(np.unravel_index(path, at_vertex.shape), axis=1)
+        vertices = np.stack(np.unravel_index(path, np.add(kept.shape, 1)), axis=1)
         row = joiner.add_row("path", int(a), int(b), vertices, ACCEPTED)
         joiner.joined.merge(int(a), int(b))
-        at_ends = around_vertex[path[[0, -1]]]
-        cells = np.array([c[c < kept.size][kept.ravel()[c[c < kept.size]]][0] for c in at_ends])
-        bridges.append(Bridge(vertices, cells, row))
-        inner = around_vertex[path[1:-1]]
+        bridges.append(Bridge(vertices, cell_at_vertex[path[[0, -1]]], row))
         steps = np.sort(np.stack([path[:-1], path[1:]], axis=1), axis=1)
-        on_path = (edges.ends[:, None] == steps[None]).all(axis=2).any(axis=1)
-        is_taken[inner.ravel()] = is_taken[edges.beside[on_path].ravel()] = True
+        is_used |= (ends[:, None] == steps[None]).all(axis=2).any(axis=1)
+        is_taken[path[1:-1]] = True
 
 
 def _shortest_path(
@@ -298,25 +290,21 @@ def _shortest_path(
     return None
 
 
-def _report_unjoined(joiner: _Joiner, edges: _Edges) -> None:
+def _report_unjoined(joiner: _Joiner, ends: IntArray) -> None:
     """Add a row for interior paths between components that stay separate."""
     component = joiner.component_at_vertex()
 
     def is_separate(a: int, b: int) -> bool:
         return not joiner.joined.connected(a, b)
 
-    while (path := _shortest_path(component, edges.ends, is_separate)) is not None:
+    while (path := _shortest_path(component, ends, is_separate)) is not None:
         a, b = (int(c) for c in component[path[[0, -1]]])
         vertices = np.stack(np.unravel_index(path, np.add(joiner.grid.shape, 1)), axis=1)
         joiner.add_row("path", a, b, vertices, NO_ROOM)
         joiner.joined.merge(a, b)
 
 
-def _cells_at_vertices(shape: tuple[int, ...]) -> IntArray:
-    """Return the flat cells around every flat vertex, shape (n_vertices, 4).
-
-    Cells outside the grid have the index ``n_cells``.
-    """
-    n_cells = int(np.prod(shape))
-    from_end = np.arange(n_cells).reshape(shape) - n_cells  # 0 outside the grid.
-    return np.stack([cells.ravel() for cells in around_vertices(from_end)], axis=1) + n_cells
+def _kept_cell_at_vertices(kept: BoolArray) -> IntArray:
+    """Return a flat kept cell at every flat vertex, -1 where there is none."""
+    numbers = np.where(kept, np.arange(kept.size).reshape(kept.shape) + 1, 0)
+    return np.asarray(np.maximum.reduce(around_vertices(numbers)).ravel() - 1, dtype=np.int64)

@@ -7,27 +7,29 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from tusqh.antialias.bridges import ACCEPTED, Bridge, join_components
-from tusqh.antialias.clusters import CONNECT, NONE, SEPARATE, Decisions, decide_by_fraction
+from tusqh.antialias.bridges import ACCEPTED, Bridge, join_components, lay_bridges
 from tusqh.antialias.components import (
     COMPONENT,
     FEATURE_COLUMNS,
     HOLE,
     VOID,
     find_small_features,
+    label_holes,
+    label_kept,
 )
-from tusqh.antialias.pinches import find_pinches
-from tusqh.antialias.strips import Strip
+from tusqh.contacts.decide import Decision, decide_contacts, surround
+from tusqh.contacts.one_material import MATERIAL, OneMaterial, thresholds_of
+from tusqh.contacts.one_material import VOID as EMPTY
+from tusqh.contacts.planar import PlanarDecision, find_pinched
+from tusqh.contacts.predict import predict_betti
 from tusqh.errors import TopologyError
 from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.policy import Policy
 from tusqh.topology.betti_numbers import BettiNumbers
-from tusqh.topology.effective import effective_betti, label_components
 from tusqh.topology.topology import Topology
 
 
@@ -41,27 +43,56 @@ class CellSet:
         Volume-fraction threshold, dimensionless.
     kept
         Kept cells, shape n.
-    decisions
-        Decisions at the pinches of `kept`; their counts precede the removal and filling of
-        features.
+    decision
+        The decisions at the contacts of `kept`, and in 2D the bridges.
     bridges
-        Paths along which strips join components.
+        Paths of grid edges that join components.
     bridge_table
         One row per bridge, accepted or not, see `tusqh.antialias.bridges.join_components`.
     features
         One row per removed component and filled hole or void, see
         `tusqh.antialias.components.find_small_features`.
-    predicted
-        Betti numbers that the mesh of these cells must have.
     """
 
     threshold: float
     kept: BoolArray
-    decisions: Decisions
+    decision: Decision
     bridges: list[Bridge]
     bridge_table: pd.DataFrame
     features: pd.DataFrame
-    predicted: BettiNumbers
+
+    @cached_property
+    def predicted(self) -> BettiNumbers:
+        """Betti numbers that the mesh of these cells must have.
+
+        A bridge that joins two components lowers ``betti_0`` by one; a bridge within a component
+        makes a hole.
+        """
+        contacts = self.decision.contacts
+        without = predict_betti(self.decision.labels, contacts, 2)[MATERIAL]
+        if not self.bridges:
+            return without
+        betti_0 = int(_label_with_bridges(self.decision, self.bridges).max())
+        n_more_holes = len(self.bridges) - (without.betti_0 - betti_0)
+        return BettiNumbers(betti_0, without.betti_1 + n_more_holes, without.betti_2)
+
+    @property
+    def follows_all_votes(self) -> bool:
+        """Whether every contact follows its vote, and no feature was changed and no bridge built.
+
+        The mesh then has the Betti numbers of the filtration.
+        """
+        return self.n_overruled + self.n_bridges + len(self.features) == 0
+
+    @property
+    def n_contacts(self) -> int:
+        """Number of pinched vertices, and in 3D edges, each of which has one vote."""
+        return len(self.decision.contacts)
+
+    @property
+    def n_overruled(self) -> int:
+        """Number of contacts that do not follow their vote."""
+        return self.decision.n_overruled
 
     @property
     def n_bridges(self) -> int:
@@ -78,19 +109,6 @@ class CellSet:
         """Number of holes or voids filled."""
         return len(self.features) - self.n_removed
 
-    def with_bridges(self, bridges: list[Bridge], table: pd.DataFrame) -> CellSet:
-        """Return the cells with other bridges, and their predicted Betti numbers.
-
-        Parameters
-        ----------
-        bridges
-            Paths along which strips join components.
-        table
-            One row per bridge, accepted or not.
-        """
-        predicted = predict_betti(self.kept, self.decisions.at_vertex, bridges)
-        return replace(self, bridges=bridges, bridge_table=table, predicted=predicted)
-
 
 @dataclass(frozen=True)
 class _State:
@@ -100,16 +118,16 @@ class _State:
     ----------
     kept
         Kept cells, shape n.
-    at_vertex
-        Decision at every vertex, shape ``n + 1``.
+    decision
+        The decisions at their contacts.
     bridges
-        Paths along which strips join components.
+        Paths of grid edges that join components.
     features
         Tables of the features removed and filled so far.
     """
 
     kept: BoolArray
-    at_vertex: NDArray[np.int8]
+    decision: Decision
     bridges: list[Bridge]
     features: tuple[pd.DataFrame, ...] = ()
 
@@ -122,7 +140,7 @@ class CellSets:
     fractions
         Volume fractions of cells and sub-cells.
     policy
-        How to treat pinches, archipelagos and small features.
+        How to treat archipelagos and small features.
     topology
         The topology of the fractions, if it has already been computed.
 
@@ -175,7 +193,7 @@ class CellSets:
     def at(self, threshold: float) -> CellSet:
         """Return the cells at a threshold, their decisions and their predicted topology.
 
-        Pinches are decided once, on all cells; then archipelagos are joined, small components are
+        Every contact is decided by its vote; then archipelagos are joined, small components are
         removed, and small holes (in 3D voids) are filled.
 
         Parameters
@@ -183,60 +201,63 @@ class CellSets:
         threshold
             Volume-fraction threshold in (0, 1], dimensionless.
         """
-        decisions = self._decide_pinches(threshold)
-        joined, bridge_table = self._join_components(decisions.at_vertex, threshold)
-        done = self._fill_holes(self._remove_components(joined, threshold), threshold)
-        at_vertex = _at_pinches_of(done.kept, done.at_vertex)
-        bridges = [b for b in done.bridges if _is_still_needed(b, done.kept)]
+        kept = self.fractions.cells >= threshold
+        joined, bridge_table = self._join_components(kept, threshold)
+        done = self._change_features(joined, threshold)
+        bridges = [b for b in done.bridges if b.is_needed(done.kept)]
+        decision = done.decision
+        if isinstance(decision, PlanarDecision) and bridges:
+            decision = lay_bridges(decision, bridges)
         return CellSet(
             threshold=threshold,
             kept=done.kept,
-            decisions=replace(decisions, at_vertex=at_vertex),
+            decision=decision,
             bridges=bridges,
             bridge_table=bridge_table,
-            features=pd.concat(done.features) if done.features else self._no_features(),
-            predicted=predict_betti(done.kept, at_vertex, bridges),
+            features=pd.concat(done.features) if done.features else self._no_features,
         )
 
-    def _decide_pinches(self, threshold: float) -> Decisions:
-        """Return the decision at every pinch of all cells at a threshold."""
-        return decide_by_fraction(
-            self.fractions.cells >= threshold,
-            self.fractions.values,
-            threshold=threshold,
-            mixed_pinches=self.policy.mixed_pinches,
-        )
+    def _decide(self, kept: BoolArray, threshold: float) -> Decision:
+        """Return the decisions at all contacts of kept cells, each by its own vote."""
+        labels = np.where(kept, MATERIAL, EMPTY).astype(np.int32)
+        return decide_contacts(OneMaterial(self.fractions), labels, thresholds_of(threshold))
 
-    def _join_components(
-        self, at_vertex: NDArray[np.int8], threshold: float
-    ) -> tuple[_State, pd.DataFrame]:
+    def _join_components(self, kept: BoolArray, threshold: float) -> tuple[_State, pd.DataFrame]:
         """Return all cells at a threshold with their archipelagos joined, and the bridges."""
-        kept = self.fractions.cells >= threshold
-        at_vertex, bridges, table = join_components(
-            kept,
-            at_vertex,
-            self.fractions.values,
+        decision, bridges, table = join_components(
+            self._decide(kept, threshold),
+            self.fractions.values >= threshold,
             self.fractions.grid,
-            threshold=threshold,
             mode=self.policy.bridges,
         )
-        return _State(kept, at_vertex, bridges), table
+        return _State(kept, decision, bridges), table
+
+    def _change_features(self, state: _State, threshold: float) -> _State:
+        """Return the cells without the features that do not meet the criteria.
+
+        In 3D, contacts near a changed feature are decided again, which may in rare cases change
+        components, so the steps are repeated until nothing changes.
+        """
+        while True:
+            n_before = len(state.features)
+            state = self._remove_components(state, threshold)
+            state = self._fill_holes(state, threshold)
+            if len(state.features) == n_before or state.kept.ndim == 2:
+                return state
 
     def _remove_components(self, state: _State, threshold: float) -> _State:
         """Return the cells without the components that do not meet the criteria."""
         if self.policy.components.keeps_all:
             return state
-        labels = _label_with_bridges(state.kept, state.at_vertex == CONNECT, state.bridges)
         is_small, table = find_small_features(
-            labels,
+            _label_with_bridges(state.decision, state.bridges),
             self.policy.components,
             self.fractions,
             self.topology.persistence_by_cell[0],
             threshold=threshold,
             feature=COMPONENT,
         )
-        kept = state.kept & ~is_small
-        return replace(state, kept=kept, features=(*state.features, table))
+        return self._change(state, state.kept & ~is_small, table, threshold)
 
     def _fill_holes(self, state: _State, threshold: float) -> _State:
         """Return the cells after filling the holes (in 3D voids) that do not meet the criteria."""
@@ -244,70 +265,44 @@ class CellSets:
         criteria = self.policy.holes if in_plane else self.policy.voids
         if criteria.keeps_all:
             return state
-        at_vertex = _at_pinches_of(state.kept, state.at_vertex)
-        # A further layer of empty cells joins everything outside into one component, the first.
-        labels, _ = label_components(~np.pad(state.kept, 1), np.pad(at_vertex == SEPARATE, 1))
-        labels[labels == labels.flat[0]] = 0
         is_small, table = find_small_features(
-            labels[(slice(1, -1),) * state.kept.ndim],
+            label_holes(state.decision),
             criteria,
             self.fractions,
             self.topology.persistence_by_cell[1],
             threshold=threshold,
             feature=HOLE if in_plane else VOID,
         )
-        kept = state.kept | is_small
-        return replace(state, kept=kept, at_vertex=at_vertex, features=(*state.features, table))
+        return self._change(state, state.kept | is_small, table, threshold)
 
+    def _change(
+        self, state: _State, kept: BoolArray, table: pd.DataFrame, threshold: float
+    ) -> _State:
+        """Return a state with other cells and the decisions at the contacts that are left."""
+        if len(table) == 0:
+            return state
+        decision = state.decision
+        if isinstance(decision, PlanarDecision):
+            labels = surround(np.where(kept, MATERIAL, EMPTY).astype(np.int32), EMPTY)
+            ball = np.where(find_pinched(labels), decision.ball, -1).astype(np.int32)
+            decision = PlanarDecision(labels, ball)
+        else:
+            decision = self._decide(kept, threshold)
+        return replace(state, kept=kept, decision=decision, features=(*state.features, table))
+
+    @property
     def _no_features(self) -> pd.DataFrame:
-        """Return the empty table of features."""
+        """The empty table of features."""
         return pd.DataFrame(columns=[*FEATURE_COLUMNS, *"xyz"[: self.fractions.grid.dim]])
 
 
-def predict_betti(
-    kept: BoolArray, at_vertex: NDArray[np.int8], bridges: list[Bridge]
-) -> BettiNumbers:
-    """Return the Betti numbers of kept cells with decided pinches and bridges.
-
-    A bridge that joins two components lowers ``betti_0`` by one; a bridge within a component
-    makes a hole.
-
-    Parameters
-    ----------
-    kept
-        Kept cells, shape n.
-    at_vertex
-        `SEPARATE`, `NONE` or `CONNECT` for every grid vertex, shape ``n + 1``.
-    bridges
-        Paths along which strips join components.
-    """
-    without = effective_betti(kept, at_vertex == CONNECT, at_vertex == SEPARATE)
-    if not bridges:
-        return without
-    labels = _label_with_bridges(kept, at_vertex == CONNECT, bridges)
-    betti_0 = len(np.unique(labels[labels > 0]))
-    n_more_holes = len(bridges) - (without.betti_0 - betti_0)
-    return BettiNumbers(betti_0, without.betti_1 + n_more_holes, without.betti_2)
-
-
-def _label_with_bridges(kept: BoolArray, connects: BoolArray, bridges: list[Bridge]) -> IntArray:
-    """Return the component of every cell, numbered from 1; bridges join components."""
-    labels, n_components = label_components(kept, connects)
+def _label_with_bridges(decision: Decision, bridges: list[Bridge]) -> IntArray:
+    """Return the component of every kept cell, numbered from 1, joined by bridges; shape n."""
+    labels = label_kept(decision)
     if not bridges:
         return labels
     pairs = labels.ravel()[np.stack([bridge.cells for bridge in bridges])]
-    graph = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(n_components + 1,) * 2)
+    size = int(labels.max()) + 1
+    graph = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(size, size))
     _, joined = connected_components(graph, directed=False)
     return np.asarray(joined[labels], dtype=np.int64)  # Label 0 stays separate and first.
-
-
-def _at_pinches_of(kept: BoolArray, at_vertex: NDArray[np.int8]) -> NDArray[np.int8]:
-    """Return the decisions at those vertices that are still pinches."""
-    return np.where(find_pinches(kept), at_vertex, NONE).astype(np.int8)
-
-
-def _is_still_needed(bridge: Bridge, kept: BoolArray) -> bool:
-    """Return whether both ends of a bridge are kept and all cells along its path are empty."""
-    if not kept.ravel()[bridge.cells].all():
-        return False
-    return not any(kept[tuple(cells.T)].any() for cells in Strip.along(bridge.vertices).beside)

@@ -12,6 +12,9 @@ import numpy as np
 import pandas as pd
 from scipy import ndimage
 
+from tusqh.contacts.decide import Decision, inner_cells
+from tusqh.contacts.one_material import MATERIAL
+from tusqh.contacts.predict import find_components
 from tusqh.grid import BoolArray, FloatArray, IntArray, doubled
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.policy import Criteria
@@ -29,6 +32,38 @@ FEATURE_COLUMNS = [
     "largest_fraction",
     "interior_sub_cells",
 ]
+
+
+def label_kept(decision: Decision) -> IntArray:
+    """Return the component of every kept cell, numbered from 1; 0 elsewhere, shape n.
+
+    Parameters
+    ----------
+    decision
+        The decisions at the contacts of kept cells.
+    """
+    component = find_components(decision.labels, decision.contacts)
+    return _number(component, decision.labels == MATERIAL)
+
+
+def label_holes(decision: Decision) -> IntArray:
+    """Return the hole, in 3D the void, of every empty cell, from 1; 0 elsewhere, shape n.
+
+    Parameters
+    ----------
+    decision
+        The decisions at the contacts of kept cells.
+    """
+    component = find_components(decision.labels, decision.contacts)
+    is_outside = component == component.flat[0]
+    return _number(component, (decision.labels != MATERIAL) & ~is_outside)
+
+
+def _number(component: IntArray, chosen: BoolArray) -> IntArray:
+    """Return the components of chosen cells, numbered from 1 and without the layers of void."""
+    numbers = np.zeros(component.shape, dtype=np.int64)
+    numbers[chosen] = 1 + np.unique(component[chosen], return_inverse=True)[1]
+    return numbers[inner_cells(component.ndim)]
 
 
 def find_small_features(

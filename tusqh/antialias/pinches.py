@@ -72,28 +72,6 @@ def pinch_table(dim: int) -> BoolArray:
     return _frozen((kept > 1) | (empty > 1))
 
 
-@functools.cache
-def template_tables() -> tuple[BoolArray, BoolArray]:
-    """Return, for every 3D code, whether separating and whether connecting act on the vertex.
-
-    At the other vertices the templates at pinch edges suffice (algorithm 4.3).
-
-    Returns
-    -------
-    separates, connects
-        Shape (256,) each, see `neighbourhood_codes`; read-only.
-
-    Examples
-    --------
-    >>> [int(table.sum()) for table in template_tables()]
-    [92, 92]
-    """
-    by_face, by_edge = _component_table(3, 1), _component_table(3, 2)
-    separates = (by_face > 1) | (by_edge[::-1] > 1)
-    connects = (by_edge > 1) | (by_face[::-1] > 1)
-    return _frozen(separates), _frozen(connects)
-
-
 def _component_table(dim: int, reach: int) -> IntArray:
     """Count the components of kept cells of every code; joined cells differ along <= `reach` axes.
 

@@ -23,8 +23,8 @@ from typing import NamedTuple
 import numpy as np
 
 from tusqh.contacts.ball_elements import Balls, RingEnd, ring_end
+from tusqh.contacts.decided import Labels
 from tusqh.contacts.emitter import Emitted, Emitter
-from tusqh.contacts.predict import Labels
 from tusqh.contacts.spatial import SpatialDecision, face_sticks
 from tusqh.contacts.stick_field import Field
 from tusqh.grid import HEX_CORNERS, BackgroundGrid, IntArray
@@ -58,7 +58,9 @@ class _Faces:
     plain: Labels
 
 
-def emit_spatial(decision: SpatialDecision, grid: BackgroundGrid, name: str) -> Emitted:
+def emit_spatial(
+    decision: SpatialDecision, grid: BackgroundGrid, name: str, *, left_out: int | None = None
+) -> Emitted:
     """Return the hexes of all materials including the void, without the outermost layer.
 
     Parameters
@@ -69,6 +71,8 @@ def emit_spatial(decision: SpatialDecision, grid: BackgroundGrid, name: str) -> 
         The grid with two layers of void, of shape ``n + 4``.
     name
         The model, for messages.
+    left_out
+        A material without hexes; None: all have hexes.
     """
     labels = decision.labels
     flat = labels.ravel()
@@ -79,10 +83,11 @@ def emit_spatial(decision: SpatialDecision, grid: BackgroundGrid, name: str) -> 
         frusta[2 * axis + 1, found.lower] = found.plain
         frusta[2 * axis, found.upper] = found.plain
     is_split = (frusta != flat).any(axis=0)
-    emitter = Emitter(grid, is_split.reshape(labels.shape))
+    emitter = Emitter(grid, is_split.reshape(labels.shape), left_out=left_out)
     is_meshed = np.zeros(labels.shape, dtype=bool)
     is_meshed[1:-1, 1:-1, 1:-1] = True
-    whole, split = np.flatnonzero(~is_split & is_meshed.ravel()), np.flatnonzero(is_split)
+    is_whole = ~is_split & is_meshed.ravel() & (flat != left_out)
+    whole, split = np.flatnonzero(is_whole), np.flatnonzero(is_split)
     emitter.add(emitter.outer(whole), whole, GRID_CELL, flat[whole])
     emitter.add(emitter.inner(split), split, INNER_CELL, flat[split])
     for face in range(6):

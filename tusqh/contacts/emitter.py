@@ -15,20 +15,17 @@ from tusqh.meshes.volume_mesh import VolumeMesh
 
 
 class Emitted(NamedTuple):
-    """A mesh with the grid vertices of its points and the materials of its elements.
+    """A mesh with the materials of its elements.
 
     Parameters
     ----------
     mesh
         The mesh.
-    grid_vertex
-        Flat grid vertex of every point of the mesh, -1 for other points, shape (n,).
     material
         Material of every element, shape (m,).
     """
 
     mesh: VolumeMesh
-    grid_vertex: IntArray
     material: IntArray
 
 
@@ -44,10 +41,15 @@ class Emitter:
         The background grid, of shape n.
     has_inner
         Cells with an inner cell, shape n.
+    left_out
+        A material whose elements are left out; None: none is.
     """
 
-    def __init__(self, grid: BackgroundGrid, has_inner: BoolArray) -> None:
+    def __init__(
+        self, grid: BackgroundGrid, has_inner: BoolArray, *, left_out: int | None = None
+    ) -> None:
         self.grid = grid
+        self._left_out = left_out
         self.template = TEMPLATES[grid.dim]
         self.vertex_shape = tuple(n + 1 for n in grid.shape)
         self.n_vertices = int(np.prod(self.vertex_shape))
@@ -126,53 +128,16 @@ class Emitter:
         materials
             The material, for all of them or for each.
         """
+        kinds = np.broadcast_to(kind, len(elements))
+        material = np.broadcast_to(materials, len(elements))
+        if self._left_out is not None:
+            stays = material != self._left_out
+            elements, owners = elements[stays], owners[stays]
+            kinds, material = kinds[stays], material[stays]
         self._elements.append(elements)
         self._owners.append(owners)
-        each = np.zeros(len(elements), dtype=np.int64)
-        self._kinds.append(each + kind)
-        self._materials.append(each + materials)
-
-    def add_cells(self, cells: BoolArray, kind: int) -> None:
-        """Add whole cells, shape n, as elements of one kind.
-
-        Parameters
-        ----------
-        cells
-            Cells, shape n.
-        kind
-            One of the kinds of `tusqh.meshes.volume_mesh`.
-        """
-        flat = np.flatnonzero(cells)
-        self.add(self.outer(flat), flat, kind)
-
-    def add_inner_cells(self, cells: BoolArray, kind: int) -> None:
-        """Add the inner cells of cells, shape n, as elements of one kind.
-
-        Parameters
-        ----------
-        cells
-            Cells that have an inner cell, shape n.
-        kind
-            One of the kinds of `tusqh.meshes.volume_mesh`.
-        """
-        flat = np.flatnonzero(cells)
-        self.add(self.inner(flat), flat, kind)
-
-    def add_frusta(self, face: int, cells: BoolArray, kind: int) -> None:
-        """Add the frusta at one face of cells, shape n, as elements of one kind.
-
-        Parameters
-        ----------
-        face
-            Number of the face, see `tusqh.grid.numbering.FACES`.
-        cells
-            Cells that have an inner cell, shape n.
-        kind
-            One of the kinds of `tusqh.meshes.volume_mesh`.
-        """
-        flat = np.flatnonzero(cells)
-        corners = np.concatenate([self.outer(flat), self.inner(flat)], axis=1)
-        self.add(corners[:, self.template.frusta[face]], flat, kind)
+        self._kinds.append(kinds.astype(np.int64))
+        self._materials.append(material.astype(np.int64))
 
     def finish(self, name: str) -> Emitted:
         """Return the mesh of all elements, in the order of their cells.
@@ -197,11 +162,7 @@ class Emitter:
             grid_cell=owner[order],
             name=name,
         )
-        return Emitted(
-            mesh=mesh,
-            grid_vertex=np.where(used < self.n_vertices, used, -1),
-            material=np.concatenate(self._materials)[order],
-        )
+        return Emitted(mesh=mesh, material=np.concatenate(self._materials)[order])
 
     def _positions(self, points: IntArray) -> FloatArray:
         """Return the positions of ascending points, in cells from the grid's lowest corner."""

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tusqh.contacts.emit_spatial import emit_spatial
-from tusqh.contacts.emitter import Emitted
+from tusqh.contacts.decide import decide_contacts, emit_decision
 from tusqh.contacts.material_fractions import FULL, MaterialFractions
-from tusqh.contacts.planar import PlanarDecision, around_vertices, decide_balls, emit_planar
-from tusqh.contacts.predict import Contacts, Labels, predict_betti, predict_solid
-from tusqh.contacts.spatial import decide_sticks
-from tusqh.contacts.spatial_votes import LAYERS
+from tusqh.contacts.predict import predict_betti, predict_solid
 from tusqh.contacts.voxel_fractions import fractions_of_labels
 from tusqh.errors import TopologyError
 from tusqh.grid import IntArray
@@ -157,20 +153,19 @@ def mesh_materials(
     """
     fractions = source if isinstance(source, MaterialFractions) else fractions_of_labels(source)
     t = _round_thresholds(fractions.names, dict(thresholds or {}))
-    layers = 1 if fractions.grid.dim == 2 else LAYERS
-    labels = np.pad(fractions.label_cells(t), layers, constant_values=fractions.void)
-    decide = _decide_planar if fractions.grid.dim == 2 else _decide_spatial
-    emitted, contacts, n_overruled = decide(fractions, labels, t, name)
+    decision = decide_contacts(fractions, fractions.label_cells(t), t)
+    left_out = None if with_void else fractions.void
+    mesh, material = emit_decision(decision, fractions.grid, name, left_out=left_out)
+    labels, contacts = decision.labels, decision.contacts
     predicted = predict_betti(labels, contacts, len(fractions.names))
-    kept = np.flatnonzero((emitted.material != fractions.void) | with_void)
     return MaterialMesh(
-        mesh=_take(_renumber(emitted.mesh, labels.shape, layers), kept, name),
+        mesh=mesh,
         names=fractions.names,
-        material=emitted.material[kept],
+        material=material,
         predicted=dict(zip(fractions.names, predicted, strict=True)),
         predicted_solid=predict_solid(labels, contacts, fractions.void),
-        n_contacts=len(contacts.ball) + len(contacts.edge_material),
-        n_overruled=n_overruled,
+        n_contacts=len(contacts),
+        n_overruled=decision.n_overruled,
     )
 
 
@@ -189,43 +184,6 @@ def _round_thresholds(names: Sequence[str], thresholds: dict[str, float]) -> Int
     # Round the void's threshold down, so that with t and 1 - t both conditions are equivalent.
     rounded[-1] = int(np.floor(wanted[-1] * FULL))
     return rounded
-
-
-def _decide_planar(
-    fractions: MaterialFractions, labels: Labels, thresholds: IntArray, name: str
-) -> tuple[Emitted, Contacts, int]:
-    """Return the elements of a grid in the plane, its contacts, and 0 overruled votes."""
-    ball = decide_balls(fractions, labels, thresholds)
-    emitted = emit_planar(PlanarDecision(labels, ball), fractions.grid.padded(), name)
-    numbers = np.arange(labels.size, dtype=np.int32).reshape(labels.shape)
-    is_pinched = ball >= 0
-    nothing = np.empty((0, 4), dtype=np.int64)
-    contacts = Contacts(
-        vertex_cells=around_vertices(numbers)[:, is_pinched[1:-1, 1:-1]].T.astype(np.int64),
-        ball=ball[is_pinched],
-        sticks=np.empty((int(is_pinched.sum()), 0), dtype=np.int32),
-        edge_cells=nothing,
-        edge_material=np.empty(0, dtype=np.int32),
-    )
-    return emitted, contacts, 0
-
-
-def _decide_spatial(
-    fractions: MaterialFractions, labels: Labels, thresholds: IntArray, name: str
-) -> tuple[Emitted, Contacts, int]:
-    """Return the elements of a grid in space, its contacts, and the number of overruled votes."""
-    decision = decide_sticks(fractions, labels, thresholds)
-    emitted = emit_spatial(decision, fractions.grid.padded().padded(), name)
-    return emitted, decision.contacts, decision.n_overruled
-
-
-def _renumber(mesh: VolumeMesh, shape: tuple[int, ...], layers: int) -> VolumeMesh:
-    """Return a mesh of a padded grid with cell numbers of the grid itself, -1 for other cells."""
-    place = np.stack(np.unravel_index(mesh.grid_cell, shape)) - layers
-    inner = tuple(n - 2 * layers for n in shape)
-    is_inside = ((place >= 0) & (place < np.array(inner)[:, None])).all(axis=0)
-    flat = np.ravel_multi_index(tuple(np.where(is_inside, place, 0)), inner)
-    return replace(mesh, grid_cell=np.where(is_inside, flat, -1))
 
 
 def _take(mesh: VolumeMesh, chosen: IntArray, name: str) -> VolumeMesh:

@@ -17,24 +17,22 @@ one kite for each pinched end and two quads replace the two trapezoids::
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from tusqh.contacts.decided import Contacts, Labels
 from tusqh.contacts.emitter import Emitted, Emitter
-from tusqh.contacts.material_fractions import MaterialFractions
-from tusqh.contacts.votes import count_votes
+from tusqh.contacts.votes import Fractions, count_votes
 from tusqh.grid import BackgroundGrid, BoolArray, IntArray
-from tusqh.meshes.volume_mesh import CONNECTING, GRID_CELL, INNER_CELL, SEPARATING
+from tusqh.meshes.volume_mesh import BRIDGE, CONNECTING, GRID_CELL, INNER_CELL, SEPARATING
 
 #: Position on the side where a kite ends, in lengths of the side.
 _KITE = 0.375
 
 #: Offsets of the cells around a vertex, in cyclic order.
 _AROUND = ((0, 0), (1, 0), (1, 1), (0, 1))
-
-Labels = NDArray[np.int32]
 
 
 @dataclass(frozen=True)
@@ -46,11 +44,38 @@ class PlanarDecision:
     labels
         Material of every cell, shape ``n + 2``.
     ball
-        Material of the ball at every pinched vertex, -1 at other vertices, shape ``n + 3``.
+        Material of the ball at every pinched vertex and every vertex of a bridge, -1 at other
+        vertices, shape ``n + 3``.
+    bridged
+        For each axis, the cells whose upper side along it is part of a bridge: both quads of the
+        side have the material of the balls at its ends, shape ``(2, *(n + 2))``; None: no bridges.
     """
 
     labels: Labels
     ball: Labels
+    bridged: BoolArray | None = field(default=None, repr=False)
+
+    #: Every ball follows its vote.
+    n_overruled = 0
+
+    @cached_property
+    def is_pinched(self) -> BoolArray:
+        """The pinched vertices, shape ``n + 3``."""
+        return find_pinched(self.labels)
+
+    @cached_property
+    def contacts(self) -> Contacts:
+        """The pinched vertices with their balls."""
+        numbers = np.arange(self.labels.size, dtype=np.int32).reshape(self.labels.shape)
+        inner = self.is_pinched[1:-1, 1:-1]
+        n = int(inner.sum())
+        return Contacts(
+            vertex_cells=around_vertices(numbers)[:, inner].T.astype(np.int64),
+            ball=self.ball[1:-1, 1:-1][inner],
+            sticks=np.empty((n, 0), dtype=np.int32),
+            edge_cells=np.empty((0, 4), dtype=np.int64),
+            edge_material=np.empty(0, dtype=np.int32),
+        )
 
 
 def around_vertices(cells: Labels) -> Labels:
@@ -87,7 +112,18 @@ def find_diagonals(four: Labels) -> BoolArray:
     return np.asarray(((a == c) & (b != a) & (d != a)) | ((b == d) & (a != b) & (c != b)))
 
 
-def decide_balls(fractions: MaterialFractions, labels: Labels, thresholds: IntArray) -> Labels:
+def find_pinched(labels: Labels) -> BoolArray:
+    """Return the pinched vertices, shape ``n + 3``.
+
+    Parameters
+    ----------
+    labels
+        Material of every cell, with a layer of void around them, shape ``n + 2``.
+    """
+    return np.pad(find_diagonals(around_vertices(labels)), 1)
+
+
+def decide_balls(fractions: Fractions, labels: Labels, thresholds: IntArray) -> Labels:
     """Return the material of every ball, which wins the vote of its vertex.
 
     Parameters
@@ -114,7 +150,9 @@ def decide_balls(fractions: MaterialFractions, labels: Labels, thresholds: IntAr
     return ball
 
 
-def emit_planar(decision: PlanarDecision, grid: BackgroundGrid, name: str) -> Emitted:
+def emit_planar(
+    decision: PlanarDecision, grid: BackgroundGrid, name: str, *, left_out: int | None = None
+) -> Emitted:
     """Return the quads of all materials including the void.
 
     Parameters
@@ -125,13 +163,15 @@ def emit_planar(decision: PlanarDecision, grid: BackgroundGrid, name: str) -> Em
         The grid with the layer of void, of shape ``n + 2``.
     name
         The model, for messages.
+    left_out
+        A material without quads; None: all have quads.
     """
-    labels, ball = decision.labels, decision.ball.ravel()
+    labels = decision.labels
     refined = [_find_refined(decision, axis) for axis in range(2)]
     split = np.logical_or.reduce([side for axis in range(2) for side in _both(refined[axis], axis)])
-    emitter = Emitter(grid, split)
+    emitter = Emitter(grid, split, left_out=left_out)
     flat = labels.ravel()
-    whole, inside = np.flatnonzero(~split), np.flatnonzero(split)
+    whole, inside = np.flatnonzero(~split & (labels != left_out)), np.flatnonzero(split)
     emitter.add(emitter.outer(whole), whole, GRID_CELL, flat[whole])
     emitter.add(emitter.inner(inside), inside, INNER_CELL, flat[inside])
     for face, (axis, end) in enumerate(((1, 0), (0, 1), (1, 1), (0, 0))):
@@ -139,7 +179,7 @@ def emit_planar(decision: PlanarDecision, grid: BackgroundGrid, name: str) -> Em
         corners = np.concatenate([emitter.outer(cells), emitter.inner(cells)], axis=1)
         emitter.add(corners[:, emitter.template.frusta[face]], cells, SEPARATING, flat[cells])
     for axis in range(2):
-        _emit_sides(emitter, axis, np.flatnonzero(refined[axis]), (flat, ball))
+        _emit_sides(emitter, axis, np.flatnonzero(refined[axis]), decision)
     return emitter.finish(name)
 
 
@@ -157,11 +197,9 @@ def _both(refined: BoolArray, axis: int) -> tuple[BoolArray, BoolArray]:
     return refined, np.roll(refined, 1, axis)
 
 
-def _emit_sides(
-    emitter: Emitter, axis: int, lower: IntArray, materials: tuple[Labels, Labels]
-) -> None:
+def _emit_sides(emitter: Emitter, axis: int, lower: IntArray, decision: PlanarDecision) -> None:
     """Add the kites and quads of refined sides, given the cells below them."""
-    flat, ball = materials
+    flat, ball = decision.labels.ravel(), decision.ball.ravel()
     upper = lower + (emitter.grid.shape[1] if axis == 0 else 1)
     a, b, a_2, b_2 = (1, 2, 0, 3) if axis == 0 else (2, 3, 1, 0)
     outer, below, above = emitter.outer(lower), emitter.inner(lower), emitter.inner(upper)
@@ -170,14 +208,23 @@ def _emit_sides(
     first = _add_point(emitter, p, q, on_p)
     second = _add_point(emitter, q, p, on_q)
     in_a, in_b, up_a, up_b = below[:, a], below[:, b], above[:, a_2], above[:, b_2]
-    emitter.add(np.stack([first, second, in_b, in_a], 1), lower, SEPARATING, flat[lower])
-    emitter.add(np.stack([second, first, up_a, up_b], 1), upper, SEPARATING, flat[upper])
+    is_bridge = np.zeros(len(lower), dtype=bool)
+    if decision.bridged is not None:
+        is_bridge = decision.bridged[axis].ravel()[lower]
+    kind = np.where(is_bridge, BRIDGE, SEPARATING)
+    for quad, cells in (
+        ((first, second, in_b, in_a), lower),
+        ((second, first, up_a, up_b), upper),
+    ):
+        material = np.where(is_bridge, ball[p], flat[cells])
+        emitter.add(np.stack(quad, 1), cells, kind, material)
+    is_pinched = decision.is_pinched.ravel()
     for kite, on, at in (
         ((p, up_a, first, in_a), on_p, p),
         ((q, in_b, second, up_b), on_q, q),
     ):
-        material = ball[at[on]]
-        emitter.add(np.stack(kite, 1)[on], lower[on], CONNECTING, material)
+        kind = np.where(is_pinched[at[on]], CONNECTING, BRIDGE)
+        emitter.add(np.stack(kite, 1)[on], lower[on], kind, ball[at[on]])
 
 
 def _add_point(emitter: Emitter, end: IntArray, other: IntArray, on: BoolArray) -> IntArray:

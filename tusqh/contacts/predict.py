@@ -9,47 +9,17 @@ outside.  Its holes in 3D follow from the Euler characteristic, which is counted
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numba
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from tusqh.contacts.decided import Contacts, Labels
 from tusqh.contacts.octants import octants
 from tusqh.contacts.planar import find_diagonals
 from tusqh.grid import BoolArray, IntArray
 from tusqh.grid.neighbourhoods import neighbours_along
 from tusqh.topology.betti_numbers import BettiNumbers
-
-Labels = NDArray[np.int32]
-
-
-@dataclass(frozen=True)
-class Contacts:
-    """The decided contacts of a grid.
-
-    Parameters
-    ----------
-    vertex_cells
-        Flat cells around every pinched vertex, in cyclic order in 2D and in the order of octants
-        in 3D, shape (p, 2**dim).
-    ball
-        Material of the ball at each vertex, shape (p,).
-    sticks
-        In 3D, the materials of the sticks at the six half-edges of each vertex, shape (p, 6).
-    edge_cells
-        In 3D, the flat cells around every pinched edge in cyclic order, shape (e, 4).
-    edge_material
-        Material of the stick along each edge, shape (e,).
-    """
-
-    vertex_cells: IntArray
-    ball: Labels
-    sticks: Labels
-    edge_cells: IntArray
-    edge_material: Labels
 
 
 def predict_betti(labels: Labels, contacts: Contacts, n_materials: int) -> list[BettiNumbers]:
@@ -74,7 +44,7 @@ def predict_betti(labels: Labels, contacts: Contacts, n_materials: int) -> list[
     >>> [str(betti) for betti in predict_betti(labels, balls, 2)]
     ['(2, 0, 0)', '(1, 2, 0)']
     """
-    component = _find_components(labels, contacts)
+    component = find_components(labels, contacts)
     names, numbers = np.unique(component, return_inverse=True)
     numbers = numbers.reshape(labels.shape)
     material_of = labels.ravel()[names]
@@ -191,8 +161,16 @@ def _euler_of_links(around: Labels, sticks: Labels, ball: Labels) -> IntArray:
     return np.asarray(euler, dtype=np.int64)
 
 
-def _find_components(labels: Labels, contacts: Contacts) -> IntArray:
-    """Return the component of every cell as its lowest flat cell, shape n."""
+def find_components(labels: Labels, contacts: Contacts) -> IntArray:
+    """Return the component of every cell as its lowest flat cell, shape n.
+
+    Parameters
+    ----------
+    labels
+        Material of every cell.
+    contacts
+        The decisions at all contacts.
+    """
     layer = labels if labels.ndim == 3 else labels[None]
     parent = np.arange(labels.size, dtype=np.int32)
     flat = np.ascontiguousarray(layer).ravel()

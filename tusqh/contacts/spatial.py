@@ -15,13 +15,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tusqh.contacts.material_fractions import MaterialFractions
+from tusqh.contacts.decided import Contacts, Labels
 from tusqh.contacts.octants import octants
 from tusqh.contacts.planar import find_diagonals
-from tusqh.contacts.predict import Contacts, Labels
 from tusqh.contacts.spatial_votes import SpatialVotes
 from tusqh.contacts.stick_field import Field, find_pinched
 from tusqh.contacts.sticks import improve, judge
+from tusqh.contacts.votes import Fractions
 from tusqh.grid import BoolArray, IntArray
 
 #: Sweeps over the marked vertices; a few suffice, and stopping early costs elements only.
@@ -155,7 +155,7 @@ class _Decider:
 
 
 def decide_sticks(
-    fractions: MaterialFractions,
+    fractions: Fractions,
     labels: Labels,
     thresholds: IntArray,
 ) -> SpatialDecision:

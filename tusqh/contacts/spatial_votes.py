@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from tusqh.contacts.material_fractions import MaterialFractions
+from tusqh.contacts.decided import Labels
 from tusqh.contacts.octants import BITS, octants
-from tusqh.contacts.predict import Labels
-from tusqh.contacts.votes import count_votes
+from tusqh.contacts.votes import Fractions, count_votes
 from tusqh.grid import IntArray
 
 #: Layers of void around the grid: sticks reach into the first and are judged from the second.
@@ -27,7 +26,7 @@ class SpatialVotes:
         Threshold of every material, in multiples of 2**-20, shape (m,).
     """
 
-    def __init__(self, fractions: MaterialFractions, labels: Labels, thresholds: IntArray) -> None:
+    def __init__(self, fractions: Fractions, labels: Labels, thresholds: IntArray) -> None:
         self.fractions, self.thresholds = fractions, thresholds
         self.shape = tuple(n + 1 for n in labels.shape)
         flat = np.pad(labels, ((0, 1),) * 3, constant_values=fractions.void).ravel()

@@ -3,12 +3,35 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tusqh.contacts.material_fractions import MaterialFractions
-from tusqh.grid import FloatArray, IntArray
+from tusqh.grid import BackgroundGrid, FloatArray, IntArray
+
+
+class Fractions(Protocol):
+    """The fractions of all materials on a background grid, of one or of many."""
+
+    @property
+    def grid(self) -> BackgroundGrid:
+        """The background grid, of shape n."""
+
+    @property
+    def void(self) -> int:
+        """Label of the void, the last material."""
+
+    def multiples_at(self, places: IntArray, labels: NDArray[np.int32]) -> IntArray:
+        """Return the fractions of chosen materials at some places, in multiples of 2**-20.
+
+        Parameters
+        ----------
+        places
+            Flat places of the doubled grid, shape (r,).
+        labels
+            Materials to look up at each of them, shape (r, c).
+        """
 
 
 @dataclass(frozen=True)
@@ -29,7 +52,7 @@ class Votes:
 
 
 def count_votes(
-    fractions: MaterialFractions,
+    fractions: Fractions,
     places: IntArray,
     candidates: NDArray[np.int32],
     thresholds: IntArray,

@@ -83,7 +83,7 @@ def plateau_arrays(cell_sets: CellSets, curves: pd.DataFrame, topologies: pd.Dat
         `upper`: key of every plateau's highest threshold; its lower end is the `upper` of the next
         plateau, or 0 for the last one.  ``raw_0`` .. ``raw_2``: Betti numbers of the filtration.
         ``mesh_0`` .. ``mesh_2``: Betti numbers of the mesh, -1 if they were not predicted;
-        `clusters` of pinches and `bridges` there.  `toggles`: flat indices of cells that begin or
+        `contacts` and `bridges` there.  `toggles`: flat indices of cells that begin or
         cease to be removed or filled against their fraction; those of plateau p start at
         ``toggles_from[p]``.
     """
@@ -97,7 +97,7 @@ def plateau_arrays(cell_sets: CellSets, curves: pd.DataFrame, topologies: pd.Dat
     of_mesh = _row_of(topologies, upper)
     ends_of = [_to_keys(topologies[end].to_numpy())[of_mesh] for end in ("lower", "upper")]
     is_examined = (ends_of[0] < upper) & (upper <= ends_of[1])
-    columns = {"clusters": "clusters", "bridges": "bridges"}
+    columns = {"contacts": "contacts", "bridges": "bridges"}
     for key, name in (columns | {f"mesh_{k}": name for k, name in enumerate(BETTI)}).items():
         found = topologies[name].to_numpy()[of_mesh]
         arrays[key] = np.where(is_examined, found, -1).astype(np.int32)

@@ -15,7 +15,7 @@ from tusqh.geometry.packaged import locate
 from tusqh.geometry.remark import Remark
 from tusqh.hashing import hash_file
 from tusqh.pipeline.describe_reading import lines_of_reading
-from tusqh.quality.verdict import compare_volumes, overall
+from tusqh.quality.verdict import compare_volumes, describe_contacts, overall
 from tusqh.threshold.within_interval import describe_extent
 
 #: Columns of the register that describe the origin of a geometry.
@@ -129,7 +129,7 @@ def read_model(
         + f"; {chosen['reason']}",
         "measured": f"Betti numbers {tuple(measured)}",
         "mesh": f"{facts['elements']:,} {kind} of {facts['grid']} cells, "
-        f"{facts['pinches']:,} pinch{'' if facts['pinches'] == 1 else 'es'}, "
+        f"{describe_contacts(facts)}, "
         f"volume {compare_volumes(facts)}",
         "verdict": overall(verdict),
         "every threshold": f"{n_holding} of {len(verification)} as predicted",

@@ -7,6 +7,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import Resolved, build_mesh, describe_mesh
 from tusqh.atomic import write_text
@@ -90,7 +92,8 @@ class Built:
         path
             File to write, ending in ``.vtu``.
         """
-        in_cell = self.fractions.cells.ravel()[self.mesh.grid_cell]
+        cell = self.mesh.grid_cell
+        in_cell = np.where(cell >= 0, self.fractions.cells.ravel()[cell], 0.0)
         write_vtu(path, self.mesh, cell_data={"volume_fraction": in_cell})
 
     def write(
@@ -138,7 +141,7 @@ def build(
     original: Original | None = None,
     reference: Reference | None = None,
 ) -> Built:
-    """Return the mesh of volume fractions at a chosen threshold, with every pinch resolved.
+    """Return the mesh of volume fractions at a chosen threshold, with every contact decided.
 
     Parameters
     ----------
@@ -153,10 +156,6 @@ def build(
     reference
         The volume of the geometry, if it has already been measured.
 
-    Raises
-    ------
-    MeshError
-        A pinch cannot be resolved, which is a fault of tusqh, never of the geometry.
     """
     resolved = selection.resolved
     if resolved is None or resolved.mesh.name != name:

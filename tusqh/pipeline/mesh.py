@@ -26,7 +26,7 @@ from tusqh.settings.arguments import arguments_of, explains_unknown_arguments, f
 from tusqh.settings.grid import Place
 from tusqh.settings.materials import Materials
 from tusqh.settings.model import Settings
-from tusqh.settings.policy import BridgeMode, MixedPinches
+from tusqh.settings.policy import BridgeMode
 from tusqh.settings.sampling import Domain, Orientation, Rule, Sampler
 
 __all__ = ["mesh"]
@@ -53,7 +53,6 @@ def mesh(
     orientation: Orientation = "auto",
     sampler: Sampler = "crossings",
     tolerance: float = 1e-6,
-    mixed_pinches: MixedPinches = "separate",
     bridges: BridgeMode = "forest",
     components: Mapping[str, Any] | None = None,
     holes: Mapping[str, Any] | None = None,
@@ -105,9 +104,6 @@ def mesh(
         ``"crossings"`` counts crossings on the lattice, ``"libigl"`` calls libigl at every sample.
     tolerance
         Largest error of a fraction before it is rounded, for the sampler ``"crossings"``.
-    mixed_pinches
-        How to resolve adjacent pinches that disagree: ``"separate"``, ``"connect"`` or
-        ``"majority"``.
     bridges
         In 2D, which components to join along interior edges: ``"forest"``, ``"all"`` or ``"none"``.
     components, holes, voids

@@ -54,7 +54,7 @@ def recheck(path: Path, mesh: VolumeMesh) -> list[Check]:
     if fractions.placement is not None or "placement" in stored:
         checks.append(_equal("placement", "grid", _placement(sampled), stored.get("placement")))
     cells = CellSets(fractions, Policy.from_dict(stored["selection"]["policy"]))
-    resolved = Resolved(mesh, cells.at(stored["selection"]["threshold"]), 0)
+    resolved = Resolved(mesh, cells.at(stored["selection"]["threshold"]))
     comparison = original.compare(resolved, fractions, original.reference(fractions))
     warnings = to_warnings(comparison)
     return [*checks, _equal("warnings", "warnings", warnings, stored["warnings"]), *comparison]

@@ -23,7 +23,7 @@ from tusqh.pipeline.ingest import describe_geometry
 from tusqh.pipeline.judge import Judgement
 from tusqh.pipeline.persistence import Persistence
 from tusqh.pipeline.select import Choice
-from tusqh.quality.verdict import compare_volumes
+from tusqh.quality.verdict import compare_volumes, describe_contacts
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.io import save_fractions
 from tusqh.sampling.placement import Placement
@@ -33,22 +33,6 @@ from tusqh.threshold.selection import Selection
 from tusqh.topology.betti_numbers import BettiNumbers
 
 __all__ = ["Report", "Result"]
-
-
-def count_pinches(n: int) -> str:
-    """Return a number of pinches in words.
-
-    Parameters
-    ----------
-    n
-        The number of pinches.
-
-    Examples
-    --------
-    >>> count_pinches(1), count_pinches(7)
-    ('1 pinch', '7 pinches')
-    """
-    return f"{n} pinch" if n == 1 else f"{n} pinches"
 
 
 @dataclass(frozen=True)
@@ -62,7 +46,7 @@ class Report:
     selection
         The threshold, the reason for its choice, and how far it can move.
     facts
-        Numbers that describe the mesh, such as cells, elements, pinches and volume.
+        Numbers that describe the mesh, such as cells, elements, contacts and volume.
     elements
         Summary of the element metrics.
     verdict
@@ -116,7 +100,7 @@ class Report:
             "measured": f"Betti numbers {self.measured}, "
             + ("as predicted" if self.is_met else "NOT as predicted"),
             "mesh": f"{facts['elements']:,} {'hexes' if facts['dimension'] == 3 else 'quads'} of "
-            f"{facts['grid']} cells, {count_pinches(facts['pinches'])} resolved, "
+            f"{facts['grid']} cells, {describe_contacts(facts)}, "
             f"volume {compare_volumes(facts)}",
             **self._placement(),
             "verdict": str(Judgement(self.elements, self.verdict)),

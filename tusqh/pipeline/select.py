@@ -62,7 +62,7 @@ def find_plateaus(
     topology
         Their topology, if it has already been computed.
     policy
-        How to treat pinches and small features; None: with the defaults.
+        How to treat archipelagos and small features; None: with the defaults.
     reference
         The volume that a mesh should have; None: that of the fractions.
     progress
@@ -91,7 +91,7 @@ def select(
     topology
         Their topology, if it has already been computed.
     policy
-        How to treat pinches and small features; None: with the defaults.
+        How to treat archipelagos and small features; None: with the defaults.
     goal
         How the threshold is chosen; None: 1/2.
     reference

@@ -183,6 +183,26 @@ def compare_volumes(facts: Mapping[str, Any]) -> str:
     return f"{facts['volume'] / facts['reference_volume']:.4f} of {facts['reference_source']}"
 
 
+def describe_contacts(facts: Mapping[str, Any]) -> str:
+    """Return the numbers of contacts and of overruled votes in words.
+
+    Parameters
+    ----------
+    facts
+        See `tusqh.pipeline.build.Built.facts`.
+
+    Examples
+    --------
+    >>> describe_contacts({"contacts": 1, "overruled": 0})
+    '1 contact decided by its vote'
+    >>> describe_contacts({"contacts": 1500, "overruled": 2})
+    '1,500 contacts decided by their votes, 2 of them overruled'
+    """
+    n = facts["contacts"]
+    count = "1 contact decided by its vote" if n == 1 else f"{n:,} contacts decided by their votes"
+    return count + (f", {facts['overruled']:,} of them overruled" if facts["overruled"] else "")
+
+
 def _vtk_jacobian(metrics: pd.DataFrame | None, scheme: Scheme, dim: int) -> Check:
     identifier, name = "scaled_jacobian_vtk", "smallest scaled Jacobian by VTK"
     if metrics is None:

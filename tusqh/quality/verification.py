@@ -11,7 +11,7 @@ from tusqh.meshes.volume_mesh import VolumeMesh
 #: Required columns of results/tables/verification.csv.
 VERIFICATION_COLUMNS = (
     ["model", "material", "dimension", "grid", "threshold", "cells_kept", "elements"]
-    + ["pinch_clusters", "clusters_overruled"]
+    + ["contacts", "overruled"]
     + [f"betti_{k}_{how}" for how in ("predicted", "measured") for k in range(3)]
     + ["manifold", "conforming", "min_scaled_jacobian", "holds"]
 )
@@ -50,8 +50,8 @@ def verify_mesh(
         "threshold": cells.threshold,
         "cells_kept": int(cells.kept.sum()),
         "elements": mesh.n_cells,
-        "pinch_clusters": cells.decisions.n_clusters,
-        "clusters_overruled": cells.decisions.clusters_overruled,
+        "contacts": cells.n_contacts,
+        "overruled": cells.n_overruled,
         **{f"betti_{k}_predicted": n for k, n in enumerate(cells.predicted)},
         **{f"betti_{k}_measured": n for k, n in enumerate(measured.by_euler)},
         "manifold": measured.is_manifold,

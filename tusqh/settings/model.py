@@ -52,7 +52,7 @@ class Settings(Section):
     )
     goal: Goal = setting("How the threshold is chosen.", default=Goal, is_inline=True)
     policy: Policy = setting(
-        "What to do about pinches and small features.", default=Policy, is_inline=True
+        "What to do about archipelagos and small features.", default=Policy, is_inline=True
     )
     quality: Quality = setting(
         "How far the mesh may be from its geometry.", default=Quality, is_inline=True

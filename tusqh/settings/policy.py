@@ -1,4 +1,4 @@
-"""The treatment of pinches, archipelagos and small features."""
+"""The treatment of archipelagos and small features."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import ClassVar, Literal
 from tusqh.settings.field import setting
 from tusqh.settings.section import Section
 
-MixedPinches = Literal["separate", "connect", "majority"]
 BridgeMode = Literal["forest", "all", "none"]
 
 
@@ -16,7 +15,7 @@ BridgeMode = Literal["forest", "all", "none"]
 class Criteria(Section):
     """The criteria, all of which a feature (component, hole or void) must meet to stay."""
 
-    title: ClassVar[str] = "Pinches and features"
+    title: ClassVar[str] = "Bridges and features"
 
     min_cells: int = setting("Smallest number of grid cells.", default=1, at_least=1, metavar="N")
     min_volume: float = setting(
@@ -62,12 +61,8 @@ class Policy(Section):
     4
     """
 
-    title: ClassVar[str] = "Pinches and features"
+    title: ClassVar[str] = "Bridges and features"
 
-    mixed_pinches: MixedPinches = setting(
-        "How to resolve adjacent pinches whose sub-cells disagree; `majority` separates at a tie.",
-        default="separate",
-    )
     bridges: BridgeMode = setting(
         "2D: join components along interior edges while they are separate (`forest`), along "
         "every such path between different components, which may make holes (`all`), or not at "

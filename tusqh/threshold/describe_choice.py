@@ -46,7 +46,7 @@ def describe_choice(
     find_interval
         Computes `lower`, `upper`, `margin` and `unexamined` for a candidate without them.
     policy
-        The settings for pinches and small features, if they differ from those of the plateaus.
+        The settings for small features, if they differ from those of the plateaus.
     resolved
         The mesh, if one was made.
     """

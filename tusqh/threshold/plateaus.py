@@ -8,16 +8,17 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tusqh.antialias.cells import CellSets
+from tusqh.antialias.cells import CellSet, CellSets
 from tusqh.grid import FloatArray, IntArray
 from tusqh.progress import Progress
 from tusqh.sampling.reference import Reference
 from tusqh.threshold.within_interval import margin_of, take_threshold_of
+from tusqh.topology.betti_numbers import BettiNumbers
 
 BETTI = ["betti_0", "betti_1", "betti_2"]
 
 #: Columns of `Plateaus.table`.
-PREDICTED = ["upper", "lower", "width", "threshold", "cells", "clusters", "overruled", "bridges"]
+PREDICTED = ["upper", "lower", "width", "threshold", "cells", "contacts", "overruled", "bridges"]
 PREDICTED += ["removed", "filled", *BETTI, "volume_ratio"]
 PREDICTED += [*(f"raw_{name}" for name in BETTI), "raw_agrees"]
 
@@ -73,10 +74,10 @@ class Plateaus:
 
         There is one row per plateau, from high to low: `upper` and `lower` (every threshold ``t``
         with ``lower < t <= upper`` gives the same mesh); `width`; `threshold`, its middle; the
-        number of `cells` kept, of `clusters` of pinches and of those `overruled`, of `bridges`, of
-        components `removed` and of holes or voids `filled`; `betti_0`, `betti_1`, `betti_2` of the
-        mesh; `volume_ratio`, the ratio of the kept cells' volume to that of the geometry, NaN if
-        the latter is unknown; ``raw_betti_*`` of the filtration; `raw_agrees`, whether the
+        number of `cells` kept, of `contacts` and of those whose vote is `overruled`, of `bridges`,
+        of components `removed` and of holes or voids `filled`; `betti_0`, `betti_1`, `betti_2` of
+        the mesh; `volume_ratio`, the ratio of the kept cells' volume to that of the geometry, NaN
+        if the latter is unknown; ``raw_betti_*`` of the filtration; `raw_agrees`, whether the
         filtration and the mesh have the same Betti numbers.
         """
         report = self._progress("plateaus") if self._progress else None
@@ -132,19 +133,24 @@ class Plateaus:
         """Return the prediction for one plateau."""
         if index not in self._rows:
             cells = self.cell_sets.at((self.upper[index] + self.lower[index]) / 2)
-            n_removed = cells.n_removed
             self._rows[index] = {
                 "threshold": cells.threshold,
                 "cells": int(cells.kept.sum()),
-                "clusters": cells.decisions.n_clusters,
-                "overruled": cells.decisions.clusters_overruled,
+                "contacts": cells.n_contacts,
+                "overruled": cells.n_overruled,
                 "bridges": cells.n_bridges,
-                "removed": n_removed,
+                "removed": cells.n_removed,
                 "filled": cells.n_filled,
-                **cells.predicted._asdict(),
+                **self._predict(cells)._asdict(),
                 "volume_ratio": self._volume_ratio(int(cells.kept.sum())),
             }
         return self._rows[index]
+
+    def _predict(self, cells: CellSet) -> BettiNumbers:
+        """Return the Betti numbers of the mesh; where all votes are followed, the filtration's."""
+        if cells.follows_all_votes:
+            return self.cell_sets.topology.betti_at(cells.threshold)
+        return cells.predicted
 
     def _volume_ratio(self, n_cells: int) -> float:
         if self.reference.volume <= 0:

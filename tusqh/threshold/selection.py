@@ -49,13 +49,13 @@ class Selection:
     wanted
         The request, in words.
     raw
-        Betti numbers of the filtration, where every pinch follows its own sub-cell.
+        Betti numbers of the filtration, which are those of a mesh that follows all votes.
     predicted
         Predicted Betti numbers of the mesh.
     reason
         Why the threshold was chosen, in one sentence.
     policy
-        How pinches and small features were treated, which may differ from the settings.
+        How small features were treated, which may differ from the settings.
     find_interval, find_without_features
         Functions that compute `interval` and `without_features`.
     cells

@@ -12,7 +12,7 @@ with recorded(snakemake) as log:
         draw_catalogue(tables["catalogue"], tables["elements"]), Path(snakemake.output.catalogue)
     )
     for name, columns, title in (
-        ("series", 3, "Adjacent pinches are resolved the same way"),
+        ("series", 3, "Every pinch follows its own vote"),
         ("edges", 2, "Interior edges join components"),
     ):
         figure = draw_panels(tables[name], tables[f"{name}_shapes"], columns=columns, title=title)

@@ -36,7 +36,7 @@ with recorded(snakemake) as log:
     )
     selection, topologies = choice.selection, choice.topologies
     log.info(
-        "%d plateaus examined; the raw filtration agrees at %d, clusters overruled at %d",
+        "%d plateaus examined; the filtration agrees at %d, votes overruled at %d",
         len(topologies),
         topologies["raw_agrees"].sum(),
         (topologies["overruled"] > 0).sum(),

@@ -1,6 +1,6 @@
 'use strict';
-// Betti numbers over the threshold: solid for the mesh, dotted for the filtration before pinches
-// are decided.  The plot lies over the slider, thumb under line.
+// Betti numbers over the threshold: solid for the mesh, dotted for the filtration,
+// before features are changed, bridges built or votes overruled.  The plot lies over the slider, thumb under line.
 
 const THUMB = 16; // Width of a slider's thumb in browsers, in CSS pixels.
 const BESIDE = 26; // Room for numbers left of the slider, as in explorer.css.
