@@ -24,7 +24,7 @@ rule figure_materials:
     input:
         **files("mesh"),
     output:
-        figure=figure_of_model("materials"),
+        **shown("figure_materials"),
     wildcard_constraints:
         model=NAMES_OF_ASSEMBLIES,
     params:

@@ -12,4 +12,4 @@ with recorded(snakemake) as log:
         read_regions(path),
         unit=snakemake.params.unit,
     )
-    style.save(figure, Path(snakemake.output.figure))
+    style.save(figure, Path(snakemake.output.figure_materials))
