@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from tusqh.contacts import mesh, spatial
+from tusqh.contacts import decide, spatial
 from tusqh.contacts.material_fractions import FULL, MaterialFractions
 from tusqh.contacts.mesh import mesh_materials
 from tusqh.contacts.octants import BITS, octants
@@ -85,6 +85,6 @@ def test_without_balls_some_votes_fail(monkeypatch):
         decision.field.has_ball[:] = False
         return decision
 
-    monkeypatch.setattr(mesh, "decide_sticks", decide_without_balls)
+    monkeypatch.setattr(decide, "decide_sticks", decide_without_balls)
     with pytest.raises(AssertionError, match="is_as_predicted"):
         check_votes(all_votes()[::60])

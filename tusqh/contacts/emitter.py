@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -150,14 +151,10 @@ class Emitter:
         """
         owner = np.concatenate(self._owners)
         order = np.argsort(owner, kind="stable")
-        elements = np.concatenate(self._elements)[order]
-        is_used = np.zeros(self._n_points, dtype=bool)
-        is_used[elements.ravel()] = True
-        used = np.flatnonzero(is_used)
-        number = np.cumsum(is_used, dtype=np.int64) - 1
+        cells, used = _renumber(np.concatenate(self._elements), order, self._n_points)
         mesh = VolumeMesh(
             points=self.grid.to_points(self._positions(used)),
-            cells=number[elements],
+            cells=cells,
             kind=np.concatenate(self._kinds)[order],
             grid_cell=owner[order],
             name=name,
@@ -178,3 +175,26 @@ class Emitter:
                 np.concatenate([nothing, *self._added])[added - self._end_of_inner],
             ]
         )
+
+
+@numba.njit(cache=True)
+def _renumber(elements, order, n_points):  # type: ignore[no-untyped-def]
+    """Return ordered elements with consecutive numbers of the used points, and these points."""
+    number = np.full(n_points, -1, dtype=np.int64)
+    for element in elements:
+        for point in element:
+            number[point] = 0
+    n_used = 0
+    for point in range(n_points):
+        if number[point] == 0:
+            number[point] = n_used
+            n_used += 1
+    used = np.empty(n_used, dtype=np.int64)
+    for point in range(n_points):
+        if number[point] >= 0:
+            used[number[point]] = point
+    cells = np.empty_like(elements)
+    for i in range(len(order)):
+        for c in range(elements.shape[1]):
+            cells[i, c] = number[elements[order[i], c]]
+    return cells, used
