@@ -46,6 +46,9 @@ def compare_everything(values):
     topology.require_agreement(name="random")
     reference = gudhi_pairs(filtration)
     for row in plateaus.itertuples():
+        alone = Topology.from_fractions(values)
+        assert alone.betti_at(row.upper) == alone.betti_at((row.lower + row.upper) / 2)
+        assert list(alone.betti_at(row.upper)) == [row.betti_0, row.betti_1, row.betti_2]
         level = (filtration.values >= row.upper).nonzero()[0]
         inside = [s[np.isin(s, level).all(axis=1)] for s in filtration.simplices]
         by_rank = [*simplicial_betti_by_rank(inside), 0][:3]

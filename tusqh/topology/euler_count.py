@@ -75,6 +75,32 @@ def count_euler(nodes: Multiples) -> IntArray:
     return np.asarray(_count_stars(nodes, np.zeros_like(sign), sign)[0])
 
 
+def count_euler_at(nodes: Multiples, level: int) -> int:
+    """Return the Euler characteristic at one level.
+
+    Parameters
+    ----------
+    nodes
+        Multiples of all nodes, see `tusqh.topology.clamping.clamp_multiples`.
+    level
+        Positive multiple of `tusqh.sampling.doubled_grid.RESOLUTION`.
+
+    Examples
+    --------
+    >>> from tusqh.topology.clamping import clamp_multiples
+    >>> multiples = np.zeros((5, 3), dtype=np.int32)
+    >>> multiples[1::2, 1] = [3, 1]
+    >>> [count_euler_at(clamp_multiples(multiples), level) for level in (1, 2, 4)]
+    [1, 1, 0]
+    """
+    layer, stars = as_layer(nodes), _stars()
+    stride = [layer.shape[1] * layer.shape[2], layer.shape[2], 1]
+    sign = 1 - 2 * (stars.dimension % 2)
+    total = np.add.reduceat(sign, stars.start[:-1])
+    steps = stars.nodes @ stride
+    return int(_count_at(layer, layer.ravel(), stars.start, steps, sign, total, level))
+
+
 def count_simplices(nodes: Multiples) -> IntArray:
     """Return the number of simplices of each dimension that appear at each level.
 
@@ -173,3 +199,33 @@ def _count(nodes, flat, start, steps, row, number, total, table):  # type: ignor
                         flat[place + steps[s, 3]],
                     )
                     table[row[s], level] += number[s]
+
+
+@numba.njit(cache=True)
+def _count_at(nodes, flat, start, steps, sign, total, level):  # type: ignore[no-untyped-def]
+    """Return the sum of the signs of the simplices whose nodes all have at least a level."""
+    n_x, n_y, n_z = nodes.shape
+    euler = 0
+    for i in range(1, n_x - 1):
+        for j in range(1, n_y - 1):
+            for k in range(1, n_z - 1):
+                odd_i, odd_j, odd_k = i % 2, j % 2, k % 2
+                low, high = FULL, 0
+                for x in range(i - 1 + odd_i, i + 2 - odd_i, 2):
+                    for y in range(j - 1 + odd_j, j + 2 - odd_j, 2):
+                        for z in range(k - 1 + odd_k, k + 2 - odd_k, 2):
+                            low, high = min(low, nodes[x, y, z]), max(high, nodes[x, y, z])
+                if high < level:  # Every simplex of the star has a cell or a clamped node.
+                    continue
+                parity = odd_i + 2 * odd_j + 4 * odd_k
+                if low >= level:
+                    euler += total[parity]
+                    continue
+                place = (i * n_y + j) * n_z + k
+                for s in range(start[parity], start[parity + 1]):
+                    is_there = True
+                    for node in range(4):
+                        is_there = is_there and flat[place + steps[s, node]] >= level
+                    if is_there:
+                        euler += sign[s]
+    return euler

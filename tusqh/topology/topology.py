@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import Self
 
@@ -13,6 +14,7 @@ from tusqh.sampling.doubled_grid import RESOLUTION, Multiples
 from tusqh.topology.betti_numbers import BettiNumbers
 from tusqh.topology.clamping import clamp_multiples, complement
 from tusqh.topology.curves import persistence_by_cell, tabulate_curves
+from tusqh.topology.one_level import count_at_level
 from tusqh.topology.pairs import count_on_diagonal, tabulate_pairs
 from tusqh.topology.persistence import betti_at, require_agreement
 from tusqh.topology.union_find import Merges, merge_components
@@ -108,12 +110,16 @@ class Topology:
     def betti_at(self, threshold: float) -> BettiNumbers:
         """Return the Betti numbers of the filtration at a threshold in (0, 1].
 
+        They are read off the curves if these are known, and are counted at this level alone if not.
+
         Parameters
         ----------
         threshold
             Volume fraction, dimensionless.
         """
-        return betti_at(self.curves, threshold)
+        if "curves" in self.__dict__:
+            return betti_at(self.curves, threshold)
+        return count_at_level(self._nodes, math.ceil(threshold / RESOLUTION))
 
     def require_agreement(self, *, name: str) -> None:
         """Raise an error if pairs and curves, two independent counts, differ.
