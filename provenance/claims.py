@@ -10,13 +10,15 @@ import json
 import math
 from collections.abc import Collection
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jsonschema
-import pandas as pd
 import yaml
 
 from tusqh.errors import ConfigError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Claim = dict[str, Any]
 
@@ -110,6 +112,8 @@ def evaluate_claims(claims: list[Claim], folder: Path, *, tables: Collection[str
     ConfigError
         A table lacks a column, or a query does not fit it.
     """
+    import pandas as pd
+
     return pd.DataFrame(
         [_evaluate(claim, folder, tables) for claim in claims], columns=CLAIM_COLUMNS
     )
@@ -136,6 +140,8 @@ def changed_claims(evaluated: pd.DataFrame, *, tables: Collection[str]) -> pd.Da
 
 
 def _evaluate(claim: Claim, folder: Path, tables: Collection[str]) -> dict[str, Any]:
+    import pandas as pd
+
     row = {key: claim.get(key, "") for key in CLAIM_COLUMNS} | {"margin": math.nan}
     if "cannot_be_tested" in claim:
         return row | {"status": CANNOT_BE_TESTED, "explanation": claim["cannot_be_tested"]}

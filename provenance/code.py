@@ -221,14 +221,16 @@ def _module(name: str, scripts: Path) -> list[tuple[Path, bool]]:
 
 def _nodes(tree: ast.AST, *, into_functions: bool) -> Iterator[ast.AST]:
     """Walk a syntax tree, skipping docstrings and blocks for type checkers."""
-    for node in ast.iter_child_nodes(tree):
+    left = list(ast.iter_child_nodes(tree))
+    while left:
+        node = left.pop()
         if _is_docstring(node):
             continue
         if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
             continue
         yield node
         if into_functions or not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-            yield from _nodes(node, into_functions=into_functions)
+            left += ast.iter_child_nodes(node)
 
 
 def _is_docstring(node: object) -> bool:

@@ -18,36 +18,12 @@ import jinja2
 import numpy as np
 import pandas as pd
 
-from provenance.stamp import read_mark, stamp
-from tusqh.atomic import replacing
+from studies.pictures import picture_name
 from tusqh.errors import TusqhError
-
-#: Largest width of a picture, in pixels; results/ keeps the full figure.
-_PICTURE_WIDTH = 1400
 
 
 class PageError(TusqhError):
     """A template is broken, or uses a table or figure that is not an input."""
-
-
-def picture_name(figure: str) -> str:
-    """Return the name of the picture of a figure on a page.
-
-    Parameters
-    ----------
-    figure
-        Path of the figure in `results`.
-
-    Examples
-    --------
-    >>> picture_name("results/dragon/figures/panels.png")
-    'dragon_panels.png'
-    >>> picture_name("results/figures/pinches.png")
-    'pinches.png'
-    """
-    folders = Path(figure).parts[:-1]
-    owner = [part for part in folders if part not in ("results", "figures", "tables")]
-    return "_".join([*owner, Path(figure).name])
 
 
 def render_page(
@@ -120,42 +96,6 @@ def render_page(
     missing = sorted(allowed - shown)
     _require(not missing, f"the page does not show {', '.join(missing)}", template)
     return text.rstrip() + "\n"
-
-
-def copy_pictures(figures: Sequence[str], folder: Path) -> list[Path]:
-    """Write figures, reduced to the width of a page, as its pictures, and return the files.
-
-    Each picture keeps the mark of its figure, see `provenance.stamp`.
-
-    Parameters
-    ----------
-    figures
-        PNG files.
-    folder
-        The folder of the pictures.
-
-    Returns
-    -------
-    list of Path
-        The pictures that were written.
-    """
-    from PIL import Image
-
-    written = []
-    for figure in figures:
-        path = folder / picture_name(figure)
-        with Image.open(figure) as image, replacing(path) as temporary:
-            picture = image.convert("RGB")
-            if picture.width > _PICTURE_WIDTH:
-                height = round(picture.height * _PICTURE_WIDTH / picture.width)
-                picture = picture.resize((_PICTURE_WIDTH, height), Image.Resampling.LANCZOS)
-            # A palette of 256 colours takes a third of the bytes without a visible difference.
-            picture.quantize(256, dither=Image.Dither.NONE).save(temporary, optimize=True)
-            mark = read_mark(Path(figure))
-            if mark:
-                stamp(temporary, mark)
-        written.append(path)
-    return written
 
 
 def _rows(

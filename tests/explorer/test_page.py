@@ -12,8 +12,9 @@ from subjects import make_subject, noise
 from tusqh.errors import ConfigError
 from tusqh.explorer import assets
 from tusqh.explorer.command import Command, mesh_command
+from tusqh.explorer.files_read import FILES_READ
 from tusqh.explorer.page import make_page, to_script_json
-from tusqh.explorer.subject import FILES_READ, read_subject, stands_on_y
+from tusqh.explorer.subject import read_subject, stands_on_y
 from tusqh.files import path_of
 from tusqh.settings.model import Settings
 

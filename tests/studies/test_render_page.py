@@ -8,7 +8,8 @@ import pandas as pd
 import pytest
 
 from provenance.stamp import read_mark, stamp
-from studies.render_page import copy_pictures, picture_name, render_page
+from studies.pictures import copy_pictures, picture_name
+from studies.render_page import render_page
 from tusqh.errors import TusqhError
 
 

@@ -69,8 +69,9 @@ def view(
 def _from_folder(folder: Path, output: Path | None, unit: str) -> Path:
     """Return the page of a result folder; the workflow's is used if its inputs have not changed."""
     from tusqh.atomic import write_text
+    from tusqh.explorer.files_read import FILES_READ
     from tusqh.explorer.page import make_page
-    from tusqh.explorer.subject import FILES_READ, read_subject
+    from tusqh.explorer.subject import read_subject
     from tusqh.files import path_of
 
     made = folder / "explorer.html"

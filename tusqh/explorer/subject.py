@@ -12,6 +12,7 @@ import pandas as pd
 
 from tusqh.errors import ConfigError
 from tusqh.explorer.command import Command, mesh_command
+from tusqh.explorer.files_read import FILES_READ, TABLES_SHOWN
 from tusqh.files import path_of
 from tusqh.geometry.canonical import load_geometry
 from tusqh.geometry.kinds import Geometry
@@ -28,17 +29,8 @@ from tusqh.threshold.selection import Selection
 if TYPE_CHECKING:
     from tusqh.pipeline.result import Result
 
-#: Tables that the page shows without change, by their names in `tusqh.files`.
-TABLES_SHOWN = ("defects", "elements", "verdict", "features", "bridges")
-
 #: Suffixes of formats whose convention is that y points up.
 _Y_UP = (".obj", ".glb", ".gltf")
-
-#: Files of a model's results that the explorer reads, by their names in `tusqh.files`.
-FILES_READ = (
-    *("geometry", "fractions", "curves", "topologies", "diagram", "selection", "mesh"),
-    *TABLES_SHOWN,
-)
 
 
 @dataclass(frozen=True)

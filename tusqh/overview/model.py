@@ -14,31 +14,13 @@ from tusqh.files import path_of
 from tusqh.geometry.packaged import locate
 from tusqh.geometry.remark import Remark
 from tusqh.hashing import hash_file
+from tusqh.overview.files_read import FILES_READ, LINK_TITLES
 from tusqh.pipeline.describe_reading import lines_of_reading
 from tusqh.quality.verdict import compare_volumes, describe_contacts, overall
 from tusqh.threshold.within_interval import describe_extent
 
 #: Columns of the register that describe the origin of a geometry.
 _ORIGIN = ("origin", "licence", "url", "known_defects")
-
-#: Files of a model that the overview reads, by their names in `tusqh.files`.
-FILES_READ = ("certificate", "facts", "reading", "defects", "candidates", "verdict", "verification")
-
-#: Titles of the files of a model that the overview links to, by their names in `tusqh.files`.
-LINK_TITLES = {
-    "explorer": "explorer",
-    "mesh": "mesh (VTU)",
-    "export_mfem": "for MFEM",
-    "export_gmsh": "for Gmsh",
-    "export_exodus": "for Exodus",
-    "export_abaqus": "for Abaqus",
-    "certificate": "certificate",
-    "diagram": "persistence diagram",
-    "topologies": "all topologies",
-    "bridges": "bridges",
-    "features": "removed and filled",
-    "simulation": "simulation (ParaView)",
-}
 
 
 @dataclass(frozen=True)

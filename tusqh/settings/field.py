@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
+from functools import cache
 from typing import Any, get_type_hints
 
 #: Names of limits, as keywords of `setting` and of JSON schema.
@@ -115,8 +116,9 @@ def setting(sentence: str, *, default: Any = dataclasses.MISSING, **about: Any) 
     return dataclasses.field(default=default, metadata=metadata)
 
 
-def entries_of(section: type) -> Iterator[Entry]:
-    """Yield the fields of a section in their order.
+@cache
+def entries_of(section: type) -> tuple[Entry, ...]:
+    """Return the fields of a section in their order.
 
     Parameters
     ----------
@@ -124,8 +126,11 @@ def entries_of(section: type) -> Iterator[Entry]:
         The section.
     """
     hints = get_type_hints(section)
+    entries = []
     for field in dataclasses.fields(section):
         default = field.default
         if field.default_factory is not dataclasses.MISSING:
             default = field.default_factory()
-        yield Entry(field.name, hints[field.name], default, field.metadata["setting"])
+        about = field.metadata["setting"]
+        entries.append(Entry(field.name, hints[field.name], default, about))
+    return tuple(entries)

@@ -25,7 +25,7 @@ from tusqh.quality.system_libraries import describe_missing
 from tusqh.settings.effect import find_without_effect
 from tusqh.settings.load import load_config
 from tusqh.settings.section import to_plain
-from studies.render_page import picture_name
+from studies.pictures import picture_name
 
 FIGURES = {
     2: ["field", "thresholds", "diagram", "curves", "antialias", "contaminant"],

@@ -1,4 +1,4 @@
-from tusqh.explorer.subject import FILES_READ as FILES_OF_EXPLORER
+from tusqh.explorer.files_read import FILES_READ as FILES_OF_EXPLORER
 
 
 rule explorer:

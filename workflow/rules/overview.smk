@@ -1,4 +1,4 @@
-from tusqh.overview.model import FILES_READ, LINK_TITLES
+from tusqh.overview.files_read import FILES_READ, LINK_TITLES
 
 
 # Make results/report/index.html, one page on all models; it shows the tables and figures given here.

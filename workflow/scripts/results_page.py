@@ -1,7 +1,8 @@
 from pathlib import Path
 
 from provenance.record import recorded
-from studies.render_page import copy_pictures, render_page
+from studies.pictures import copy_pictures
+from studies.render_page import render_page
 from tusqh.atomic import write_text
 
 with recorded(snakemake) as log:

@@ -1,0 +1,20 @@
+"""Files of a model that the overview reads or links to."""
+
+#: Files of a model that the overview reads, by their names in `tusqh.files`.
+FILES_READ = ("certificate", "facts", "reading", "defects", "candidates", "verdict", "verification")
+
+#: Titles of the files of a model that the overview links to, by their names in `tusqh.files`.
+LINK_TITLES = {
+    "explorer": "explorer",
+    "mesh": "mesh (VTU)",
+    "export_mfem": "for MFEM",
+    "export_gmsh": "for Gmsh",
+    "export_exodus": "for Exodus",
+    "export_abaqus": "for Abaqus",
+    "certificate": "certificate",
+    "diagram": "persistence diagram",
+    "topologies": "all topologies",
+    "bridges": "bridges",
+    "features": "removed and filled",
+    "simulation": "simulation (ParaView)",
+}
