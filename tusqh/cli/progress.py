@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, SpinnerColumn, TaskID, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bars
 
+from tusqh.cli.compilation import announced
 from tusqh.cli.interruption import stop_if_interrupted
 from tusqh.progress import Progress, Report
 
@@ -30,7 +31,7 @@ def shown() -> Iterator[Progress]:
         BarColumn(),
         TimeRemainingColumn(elapsed_when_finished=True),
     )
-    with Bars(*columns, console=console, transient=True) as bars:
+    with Bars(*columns, console=console, transient=True) as bars, announced(console.print):
         current: list[TaskID] = []
 
         def progress(what: str) -> Report:

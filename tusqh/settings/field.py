@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
-from functools import cache
 from typing import Any, get_type_hints
 
 #: Names of limits, as keywords of `setting` and of JSON schema.
@@ -90,6 +89,10 @@ class Entry:
     setting: Setting
 
 
+#: The fields of the sections that were asked for (mypy refuses dataclasses in `functools.cache`).
+_ENTRIES: dict[type, tuple[Entry, ...]] = {}
+
+
 def setting(sentence: str, *, default: Any = dataclasses.MISSING, **about: Any) -> Any:
     """Return a dataclass field for a setting.
 
@@ -116,7 +119,6 @@ def setting(sentence: str, *, default: Any = dataclasses.MISSING, **about: Any) 
     return dataclasses.field(default=default, metadata=metadata)
 
 
-@cache
 def entries_of(section: type) -> tuple[Entry, ...]:
     """Return the fields of a section in their order.
 
@@ -125,6 +127,8 @@ def entries_of(section: type) -> tuple[Entry, ...]:
     section
         The section.
     """
+    if section in _ENTRIES:
+        return _ENTRIES[section]
     hints = get_type_hints(section)
     entries = []
     for field in dataclasses.fields(section):
@@ -133,4 +137,4 @@ def entries_of(section: type) -> tuple[Entry, ...]:
             default = field.default_factory()
         about = field.metadata["setting"]
         entries.append(Entry(field.name, hints[field.name], default, about))
-    return tuple(entries)
+    return _ENTRIES.setdefault(section, tuple(entries))
