@@ -100,4 +100,4 @@ def test_tables_are_computed_once_when_they_are_asked_for(torus):
             assert getattr(result, name) is getattr(result, name)
     assert calls.counts["describe_geometry"] == calls.counts["tabulate_pairs"] == 1
     assert calls.counts["at"] == len(result.topologies)
-    assert calls.counts["merge_components"] == 0
+    assert calls.counts["merge_components"] == 2
