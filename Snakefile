@@ -22,6 +22,7 @@ rule all:
         [figure for model in MODELS for figure in figures_of(model)],
         *files_of_all_models(*EXPORTS, "simulation", "defects", "explorer").values(),
         *files_of_assemblies(*EXPORTS, "certificate", "figure_materials").values(),
+        expand(files("simulation")["simulation"], model=SIMULATED),
         "results/report/index.html",
         paper_targets(),
         "results/ro-crate-metadata.json",
@@ -38,9 +39,9 @@ include: "workflow/rules/ingest.smk"
 include: "workflow/rules/sample.smk"
 include: "workflow/rules/topology.smk"
 include: "workflow/rules/mesh.smk"
-include: "workflow/rules/materials.smk"
 include: "workflow/rules/quality.smk"
 include: "workflow/rules/simulate.smk"
+include: "workflow/rules/materials.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/theory.smk"

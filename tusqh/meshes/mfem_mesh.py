@@ -8,11 +8,12 @@ import numpy as np
 
 from tusqh.errors import MeshError, SimulationError
 from tusqh.extras import require
+from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.element_mesh import ElementMesh
 from tusqh.meshes.measure import Measurement
 
 
-def to_mfem(measured: Measurement) -> Any:
+def to_mfem(measured: Measurement, attributes: IntArray | None = None) -> Any:
     """Return the `mfem.ser.Mesh` of a measured mesh of quads or hexes.
 
     MFEM silently accepts pinched, inverted, flat and orphaned input, and a bad index can crash the
@@ -22,6 +23,8 @@ def to_mfem(measured: Measurement) -> Any:
     ----------
     measured
         The measurement of the mesh.
+    attributes
+        Attribute of every element, from 1, shape (m,); None: all 1.
 
     Raises
     ------
@@ -36,7 +39,7 @@ def to_mfem(measured: Measurement) -> Any:
     except MeshError as reason:
         raise _rejected(mesh, reason.found) from reason
     try:
-        native = _from_arrays(mesh)
+        native = _from_arrays(mesh, np.ones(mesh.n_cells) if attributes is None else attributes)
     except RuntimeError as reason:
         raise _rejected(mesh, f"MFEM says: {reason}") from reason
     n_wrong = native.CheckElementOrientation(False)
@@ -49,7 +52,7 @@ def to_mfem(measured: Measurement) -> Any:
     return native
 
 
-def _from_arrays(mesh: ElementMesh) -> Any:
+def _from_arrays(mesh: ElementMesh, elements: FloatArray | IntArray) -> Any:
     """Return an MFEM mesh that owns a copy of the arrays; MFEM constructs the boundary itself."""
     mfem = require("mfem.ser", extra="simulate")
 
@@ -59,7 +62,7 @@ def _from_arrays(mesh: ElementMesh) -> Any:
     vertices.GetDataArray()[:] = coordinates.ravel()
     corners, attributes = mfem.intArray(mesh.cells.size), mfem.intArray(mesh.n_cells)
     corners.GetDataArray()[:] = mesh.cells.ravel()
-    attributes.GetDataArray()[:] = 1
+    attributes.GetDataArray()[:] = elements
     none = mfem.intArray(1)
     is_2d = mesh.dim == 2
     shape = mfem.Geometry.SQUARE if is_2d else mfem.Geometry.CUBE

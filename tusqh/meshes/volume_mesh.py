@@ -99,12 +99,17 @@ class VolumeMesh(ElementMesh):
         data = {"kind": [self.kind.astype(np.int8)], "grid_cell": [self.grid_cell]}
         return meshio.Mesh(self.points_in_space(), [(cell_type, self.cells)], cell_data=data)
 
-    def to_mfem(self) -> Any:
+    def to_mfem(self, attributes: IntArray | None = None) -> Any:
         """Return the mesh as an `mfem.ser.Mesh` if it passes our checks.
+
+        Parameters
+        ----------
+        attributes
+            Attribute of every element, from 1, such as its material, shape (m,); None: all 1.
 
         Raises
         ------
         SimulationError
             Our checks or MFEM reject the mesh.
         """
-        return to_mfem(self.measurement)
+        return to_mfem(self.measurement, attributes)

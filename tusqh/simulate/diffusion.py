@@ -12,7 +12,7 @@ The mesh is in the model's unit of length.  It is converted to SI units once, in
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +23,7 @@ from scipy.sparse.linalg import cg, splu
 
 from tusqh.errors import SimulationError
 from tusqh.grid import FloatArray, IntArray
+from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.progress import Report
 from tusqh.settings.simulation import DIFFUSIVITY, Simulation
@@ -67,6 +68,7 @@ def simulate_diffusion(
     mesh: VolumeMesh,
     simulation: Simulation | None = None,
     *,
+    diffusivities: FloatArray | None = None,
     unit: str = "m",
     steps: Sequence[int] = (0, 50, 100, 200, 400, 800),
     progress: Report | None = None,
@@ -79,6 +81,9 @@ def simulate_diffusion(
         The mesh, in the model's unit.
     simulation
         What is released, where, and how it spreads; None: with the defaults.
+    diffusivities
+        Diffusivity of every element, in m^2/s, shape (m,), such as that of its material; None: that
+        of `simulation` everywhere.
     unit
         The model's unit of length, see `tusqh.simulate.units.METRES`.
     steps
@@ -105,7 +110,8 @@ def simulate_diffusion(
     if time_step is None:
         extent = factor * float(np.ptp(mesh.points, axis=0).max())
         time_step = (extent / 3) ** 2 / (4 * diffusivity * max(n_steps, 1))
-    operators = assemble(mesh, refinements=simulation.refinements)
+    relative = None if diffusivities is None else diffusivities / diffusivity
+    operators = assemble(mesh, refinements=simulation.refinements, coefficient=relative)
     initial = release(mesh, operators, source=simulation.source, radius=simulation.radius)
     scaled = operators.scaled(factor)
     lumped = lump(scaled.mass)
@@ -125,6 +131,27 @@ def simulate_diffusion(
     table.insert(7, "concentration_unit", concentration_unit(mesh.dim, unit))
     _require_conservation(table, mesh.name)
     return DiffusionResult(operators.points, operators.cells, fields, table)
+
+
+def diffusivities_of(
+    regions: Regions, by_name: Mapping[str, float], simulation: Simulation, *, dim: int
+) -> FloatArray:
+    """Return the diffusivity of every element of several materials, in m^2/s, shape (m,).
+
+    Parameters
+    ----------
+    regions
+        The material of every element.
+    by_name
+        Diffusivities of some materials; the others have that of the simulation.
+    simulation
+        The simulation.
+    dim
+        Dimension of the mesh, 2 or 3.
+    """
+    common = simulation.diffusivity or DIFFUSIVITY[dim]
+    of_material = np.array([by_name.get(name, common) for name in regions.names])
+    return np.asarray(of_material[regions.material], dtype=np.float64)
 
 
 def lump(mass: csr_matrix) -> FloatArray:

@@ -19,7 +19,8 @@ class Operators:
     Parameters
     ----------
     mass, stiffness
-        Sparse matrices of the forms (u, v) and (grad u, grad v), shape (n_dofs, n_dofs).
+        Sparse matrices of the forms (u, v) and (a grad u, grad v), shape (n_dofs, n_dofs), where a
+        is the coefficient.
     nodes
         Positions of the degrees of freedom, shape (n_dofs, dim).
     points, cells
@@ -50,7 +51,13 @@ class Operators:
         )
 
 
-def assemble(mesh: VolumeMesh, *, refinements: int = 0, order: int = 1) -> Operators:
+def assemble(
+    mesh: VolumeMesh,
+    *,
+    refinements: int = 0,
+    order: int = 1,
+    coefficient: FloatArray | None = None,
+) -> Operators:
     """Return the matrices of H1 elements with natural (zero-flux) boundary conditions.
 
     Parameters
@@ -61,6 +68,8 @@ def assemble(mesh: VolumeMesh, *, refinements: int = 0, order: int = 1) -> Opera
         Uniform refinements before the assembly.
     order
         Polynomial order of the elements.
+    coefficient
+        Factor of (grad u, grad v) in every element, shape (m,); None: 1.
 
     Raises
     ------
@@ -69,13 +78,17 @@ def assemble(mesh: VolumeMesh, *, refinements: int = 0, order: int = 1) -> Opera
     """
     mfem = require("mfem.ser", extra="simulate")
 
-    native = mesh.to_mfem()
+    factors, attributes = np.unique(
+        np.ones(mesh.n_cells) if coefficient is None else coefficient, return_inverse=True
+    )
+    native = mesh.to_mfem(attributes + 1)
     for _ in range(refinements):
         native.UniformRefinement()
     space = mfem.FiniteElementSpace(native, mfem.H1_FECollection(order, mesh.dim))
     mass, stiffness = mfem.BilinearForm(space), mfem.BilinearForm(space)
     mass.AddDomainIntegrator(mfem.MassIntegrator())
-    stiffness.AddDomainIntegrator(mfem.DiffusionIntegrator())
+    factor = mfem.PWConstCoefficient(mfem.Vector(factors.tolist()))
+    stiffness.AddDomainIntegrator(mfem.DiffusionIntegrator(factor))
     for form in (mass, stiffness):
         form.Assemble()
         form.Finalize()

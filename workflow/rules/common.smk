@@ -36,6 +36,7 @@ THEORY = expand(
     figure=["pinches", "pinches_in_series", "connecting_edges", "aliasing", "axis_gap"]
     + ["theorem_map", "theorem_windows", "theorem_space", "two_triangles", "wedge_islands"],
 ) + ["results/tables/theorem_contradictions.csv", "results/tables/gap_meshes.csv"]
+THEORY += ["results/tables/layers.csv"]
 # Folders of results/ that do not belong to a model.
 FOLDERS_OF_RESULTS = {"figures", "page", "provenance", "report", "tables", "tests", "workflow"}
 PAPER_MODELS = {"chesapeake", "bearings", "dragon"}
@@ -62,6 +63,8 @@ if describe_missing():
 # Models of one material, and of several (rules/materials.smk).
 MODELS = {name: m for name, m in SETTINGS.models.items() if not m.has_several_materials}
 ASSEMBLIES = {name: m for name, m in SETTINGS.models.items() if m.has_several_materials}
+# Models of several materials that have diffusivities of their own are simulated.
+SIMULATED = [n for n, m in ASSEMBLIES.items() if any(p.diffusivity for p in m.list_of_materials)]
 NAMES_OF_ASSEMBLIES = "|".join(ASSEMBLIES) or "(?!)"
 GEOMETRY = {name: model.geometry for name, model in MODELS.items()}
 DIMENSION = {name: dimension_of(geometry) for name, geometry in GEOMETRY.items()}
@@ -149,6 +152,12 @@ def reader_of(wildcards):
     """Return the fingerprint of the module that reads a model's format."""
     reader = find_format(GEOMETRY[wildcards.model]).module
     return code_fingerprint(f"tusqh/readers/{reader}.py", base=BASE)
+
+
+def diffusivities_of(wildcards):
+    """Return the diffusivities that a model's materials have, by name."""
+    materials = SETTINGS.models[wildcards.model].list_of_materials
+    return {m.name: m.diffusivity for m in materials if m.diffusivity is not None}
 
 
 def block_of_model(wildcards):

@@ -31,3 +31,8 @@ rule figure_materials:
         unit=settings_of("unit"),
     script:
         "../scripts/figure_materials.py"
+
+
+use rule simulate as simulate_materials with:
+    wildcard_constraints:
+        model=NAMES_OF_ASSEMBLIES,

@@ -7,6 +7,7 @@ rule simulate:
         **shown("amount"),
     params:
         simulation=settings_of("simulation"),
+        diffusivities=diffusivities_of,
         unit=settings_of("unit"),
         steps=SNAPSHOTS,
     script:

@@ -135,3 +135,10 @@ rule figure_refinement:
         wedge=report("results/figures/wedge_islands.png", "../report/wedge_islands.rst", category="Theory"),
     script:
         "../scripts/figure_refinement.py"
+
+
+rule layers:
+    output:
+        table=report("results/tables/layers.csv", "../report/layers.rst", category="Theory"),
+    script:
+        "../scripts/layers.py"

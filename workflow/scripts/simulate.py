@@ -1,18 +1,23 @@
 from pathlib import Path
 
 from provenance.record import recorded
-from tusqh.meshes.export import read_vtu
+from tusqh.meshes.export import read_regions, read_vtu
 from tusqh.progress import log_progress
 from tusqh.settings.simulation import Simulation
-from tusqh.simulate.diffusion import simulate_diffusion
+from tusqh.simulate.diffusion import diffusivities_of, simulate_diffusion
 from tusqh.simulate.snapshots import write_snapshots
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
-    mesh = read_vtu(Path(snakemake.input.mesh), name=snakemake.wildcards.model)
+    source = Path(snakemake.input.mesh)
+    simulation = Simulation.from_dict(snakemake.params.simulation)
+    mesh = read_vtu(source, name=snakemake.wildcards.model)
+    by_name = snakemake.params.diffusivities
+    regions = read_regions(source) if by_name else None
     result = simulate_diffusion(
         mesh,
-        Simulation.from_dict(snakemake.params.simulation),
+        simulation,
+        diffusivities=regions and diffusivities_of(regions, by_name, simulation, dim=mesh.dim),
         unit=snakemake.params.unit,
         steps=snakemake.params.steps,
         progress=log_progress("time steps"),
