@@ -7,23 +7,19 @@ same numbers as meshes of the single regions.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+from numpy.typing import NDArray
 
 from tusqh.grid import IntArray
 from tusqh.meshes.element_mesh import ElementMesh
 from tusqh.meshes.facets import HEX_EDGES, Facets, find_facets
 from tusqh.meshes.manifold import find_non_manifold_points
 from tusqh.meshes.measure import Measurement
+from tusqh.meshes.numbering import number_rows
 from tusqh.topology.betti_numbers import BettiNumbers
-
-#: A function that counts entries by region.
-Count = Callable[[IntArray], IntArray]
 
 
 @dataclass(frozen=True)
@@ -105,18 +101,14 @@ def measure_regions(mesh: ElementMesh, region: IntArray, n_regions: int) -> list
     [('(2, 0, 0)', 2.0), ('(2, 0, 0)', 2.0)]
     """
     cells, of_point = separate(mesh.cells, region)
-    facets = find_facets(cells)
-
-    def count(regions: IntArray) -> IntArray:
-        return np.bincount(regions, minlength=n_regions).astype(np.int64)
-
+    facets, regions = find_facets(cells), _Regions(region, of_point, n_regions)
     volumes = np.bincount(region, weights=mesh.volumes, minlength=n_regions)
     smallest = np.ones(n_regions)
     np.minimum.at(smallest, region, mesh.jacobians.scaled)
-    bad = count(of_point[find_non_manifold_points(facets)])
-    n_cells = count(region)
-    euler = _by_euler(cells, facets, of_point, count)
-    boundary = _by_boundary(facets, region, of_point, count)
+    bad = regions.count(of_point[find_non_manifold_points(facets)])
+    n_cells = regions.count(region)
+    euler = _by_euler(cells, facets, regions)
+    boundary = _by_boundary(facets, regions)
     return [
         RegionMeasurement(
             n_cells=int(n_cells[k]),
@@ -179,69 +171,107 @@ def _separate(cells, region, n_points, separated):  # type: ignore[no-untyped-de
     return of_copy[:n].copy()
 
 
-def _by_euler(cells: IntArray, facets: Facets, of_point: IntArray, count: Count) -> IntArray:
+def _by_euler(cells: IntArray, facets: Facets, regions: _Regions) -> IntArray:
     """Return Betti numbers of all regions as `tusqh.meshes.betti.betti_by_euler` does."""
-    betti_0 = count(of_point[_first_of_components(cells, len(of_point))])
-    n_facets = count(of_point[_first_rows(facets)])
-    n_cells = count(of_point[cells[:, 0]])
-    n_points = count(of_point)
+    betti_0 = regions.count_components(cells)
+    n_facets = regions.count_parts(facets.unique, facets.n_unique)
+    n_points, n_cells = regions.count(regions.of_point), regions.count(regions.of_cell)
     if cells.shape[1] == 4:
         betti_1 = betti_0 - (n_points - n_facets + n_cells)
         return np.stack([betti_0, betti_1, 0 * betti_0], axis=1)
-    n_edges = count(of_point[_edge_points(cells, len(of_point))])
-    surfaces = count(of_point[_first_of_components(facets.boundary, len(of_point))])
-    betti_2 = surfaces - betti_0
+    n_edges = regions.count_parts(*number_rows(cells, HEX_EDGES))
+    betti_2 = regions.count_components(facets.boundary) - betti_0
     betti_1 = betti_0 + betti_2 - (n_points - n_edges + n_facets - n_cells)
     return np.stack([betti_0, betti_1, betti_2], axis=1)
 
 
-def _by_boundary(facets: Facets, region: IntArray, of_point: IntArray, count: Count) -> IntArray:
+def _by_boundary(facets: Facets, regions: _Regions) -> IntArray:
     """Return Betti numbers of all regions as `tusqh.meshes.betti.betti_by_boundary` does."""
-    betti_0 = count(region[_first_by_facets(facets, len(region))])
+    betti_0 = regions.count_joined(facets)
     boundary = facets.boundary
     if boundary.shape[1] == 2:
-        loops = count(of_point[_first_of_components(boundary, len(of_point))])
+        loops = regions.count_components(boundary)
         return np.stack([betti_0, loops - betti_0, 0 * betti_0], axis=1)
-    sides = facets.boundary_edges
-    of_face = of_point[boundary[:, 0]]
-    surfaces = count(of_face[_first_by_facets(sides, len(boundary))])
-    n_edges = count(of_point[_first_rows(sides)])
-    euler = count(of_point[np.unique(boundary)]) - n_edges + count(of_face)
+    of_face = replace(regions, of_cell=regions.of_point[boundary[:, 0]])
+    surfaces = of_face.count_joined(facets.boundary_edges)
+    n_edges = of_face.count_parts(facets.boundary_edges.unique, facets.boundary_edges.n_unique)
+    n_points = regions.count(regions.of_point[np.unique(boundary)])
+    euler = n_points - n_edges + regions.count(of_face.of_cell)
     return np.stack([betti_0, surfaces - euler // 2, surfaces - betti_0], axis=1)
 
 
-def _first_rows(facets: Facets) -> IntArray:
-    """Return a point of every distinct facet."""
-    first = np.empty(facets.n_unique, dtype=np.int64)
-    first[facets.unique] = facets.corners[:, 0]
-    return first
+@dataclass(frozen=True)
+class _Regions:
+    """Counts by region of a separated mesh.
+
+    Parameters
+    ----------
+    of_cell, of_point
+        Region of every element and of every point.
+    n
+        Number of regions.
+    """
+
+    of_cell: IntArray
+    of_point: IntArray
+    n: int
+
+    def count(self, regions: IntArray) -> IntArray:
+        """Return how often every region occurs."""
+        return np.bincount(regions, minlength=self.n).astype(np.int64)
+
+    def count_parts(self, numbers: NDArray[np.signedinteger], n_parts: int) -> IntArray:
+        """Return the number of different parts of elements, which `number_rows` numbered."""
+        of_part = np.empty(n_parts, dtype=np.int64)
+        of_part[numbers] = np.repeat(self.of_cell, len(numbers) // max(len(self.of_cell), 1))
+        return self.count(of_part)
+
+    def count_components(self, groups: IntArray) -> IntArray:
+        """Return the number of components of rows of points; rows that share one are joined."""
+        parent = np.arange(len(self.of_point), dtype=np.int64)
+        is_used = np.zeros(len(parent), dtype=np.bool_)
+        _join_rows(groups, parent, is_used)
+        is_first = is_used & (parent == np.arange(len(parent)))
+        return self.count(self.of_point[is_first])
+
+    def count_joined(self, facets: Facets) -> IntArray:
+        """Return the number of components of elements that share facets."""
+        parent = np.arange(len(self.of_cell), dtype=np.int64)
+        holder = np.full(facets.n_unique, -1, dtype=np.int64)
+        _join_holders(facets.unique, len(facets.local), holder, parent)
+        return self.count(self.of_cell[parent == np.arange(len(parent))])
 
 
-def _edge_points(cells: IntArray, n_points: int) -> IntArray:
-    """Return a point of every distinct edge of hexes."""
-    ends = [(cells[:, a], cells[:, b]) for a, b in HEX_EDGES.tolist()]
-    keys = np.concatenate([np.minimum(a, b) * n_points + np.maximum(a, b) for a, b in ends])
-    keys.sort()
-    first: IntArray = keys[np.append(True, keys[1:] != keys[:-1])] // n_points
-    return first
+@numba.njit(cache=True)
+def _root(parent, a):  # type: ignore[no-untyped-def]
+    while parent[a] != a:
+        parent[a] = parent[parent[a]]
+        a = parent[a]
+    return a
 
 
-def _first_of_components(groups: IntArray, n: int) -> IntArray:
-    """Return one entry of every component of rows; rows that share an entry are joined."""
-    first = np.repeat(groups[:, 0], groups.shape[1] - 1)
-    graph = coo_array((np.ones(len(first), dtype=bool), (first, groups[:, 1:].ravel())), (n, n))
-    labels = connected_components(graph, directed=False)[1]
-    is_used = np.zeros(n, dtype=bool)
-    is_used[groups] = True
-    used = np.flatnonzero(is_used)
-    return np.asarray(used[np.unique(labels[used], return_index=True)[1]])
+@numba.njit(cache=True)
+def _join_rows(groups, parent, is_used):  # type: ignore[no-untyped-def]
+    """Join the entries of every row, and mark those that occur."""
+    for i in range(len(groups)):
+        a = _root(parent, groups[i, 0])
+        is_used[groups[i, 0]] = True
+        for c in range(1, groups.shape[1]):
+            is_used[groups[i, c]] = True
+            b = _root(parent, groups[i, c])
+            # The lower entry is the root; both are used.
+            if b < a:
+                a, b = b, a
+            parent[b] = a
 
 
-def _first_by_facets(facets: Facets, n_cells: int) -> IntArray:
-    """Return one element of every component of elements that share facets."""
-    order = np.argsort(facets.unique, kind="stable")
-    same = facets.unique[order[1:]] == facets.unique[order[:-1]]
-    pairs = (facets.cell[order[:-1]][same], facets.cell[order[1:]][same])
-    graph = coo_array((np.ones(len(pairs[0]), dtype=bool), pairs), shape=(n_cells, n_cells))
-    labels = connected_components(graph, directed=False)[1]
-    return np.unique(labels, return_index=True)[1]
+@numba.njit(cache=True)
+def _join_holders(numbers, n_local, holder, parent):  # type: ignore[no-untyped-def]
+    """Join the elements that hold the same part."""
+    for row in range(len(numbers)):
+        element, part = row // n_local, numbers[row]
+        if holder[part] < 0:
+            holder[part] = element
+        else:
+            a, b = _root(parent, holder[part]), _root(parent, element)
+            parent[max(a, b)] = min(a, b)
