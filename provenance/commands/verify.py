@@ -11,7 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from provenance.commands.options import ConfigFiles, LockFile, Snakefile
-from tusqh.cli.show import make_console
+from tusqh.cli.show import make_console, print_table
 
 if TYPE_CHECKING:
     from provenance.verify import Verification
@@ -73,7 +73,7 @@ def _show(verification: Verification) -> None:
     from provenance.findings import Outcome, merge
 
     console = make_console()
-    console.print(_table(verification))
+    print_table(console, _table(verification))
     for finding in merge(verification.findings):
         if finding.outcome is Outcome.SAME:
             continue

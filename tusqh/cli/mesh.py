@@ -12,7 +12,7 @@ from rich.table import Table
 from tusqh.cli import options
 from tusqh.cli.materials import Written, mesh_and_show
 from tusqh.cli.progress import shown
-from tusqh.cli.show import make_console, report_error
+from tusqh.cli.show import make_console, print_table, report_error
 from tusqh.errors import ConfigError, OutputError, TopologyError
 from tusqh.settings.model import Settings
 
@@ -149,7 +149,7 @@ def _show(report: Report, written: list[Path]) -> None:
         table.add_row(title, text)
     table.add_row("written", ", ".join(str(path) for path in written))
     console = make_console(highlight=False, markup=False)
-    console.print(table)
+    print_table(console, table)
     failed = report.verdict[report.verdict["holds"] == "no"]
     for row in failed.itertuples():
         console.print(f"fails: {row.name}: {row.found}, required {row.required}", style="red")

@@ -44,7 +44,19 @@ def show(frame: pd.DataFrame, *, title: str) -> None:
         table.add_column(str(column), overflow="fold", no_wrap=k == 0, min_width=len(str(column)))
     for row in frame.itertuples(index=False):
         table.add_row(*map(_to_text, row))
-    console = make_console(markup=False, highlight=False)
+    print_table(make_console(markup=False, highlight=False), table)
+
+
+def print_table(console: Console, table: Table) -> None:
+    """Print a table; on what is not a terminal, no line ends with spaces.
+
+    Parameters
+    ----------
+    console
+        From `make_console`.
+    table
+        The table.
+    """
     if console.is_terminal:
         console.print(table)
         return
