@@ -1,5 +1,6 @@
 """Files of several materials have the volume of every material when other libraries read them."""
 
+import automesh
 import meshio
 import mfem.ser as mfem
 import netCDF4
@@ -126,6 +127,25 @@ def test_abaqus(found, tmp_path):
     assert "*NSET, NSET=bone_and_2_and_void\n" in text
     sizes = [len(block.data) for block in read.cells]
     assert sizes == np.bincount(found.material).tolist()
+
+
+def test_labels_of_sculpt_are_read_as_automesh_reads_them(tmp_path):
+    """The page on several materials says how to read a file of Sculpt."""
+    labels = np.random.default_rng(4).integers(0, 3, (2, 3, 4)).astype(np.uint8)
+    np.savetxt(tmp_path / "a.spn", labels.transpose().ravel(), fmt="%d")
+    automesh.Voxels.from_spn(str(tmp_path / "a.spn"), [2, 3, 4]).write_npy(str(tmp_path / "a.npy"))
+    assert np.array_equal(np.load(tmp_path / "a.npy"), labels)
+    read = np.loadtxt(tmp_path / "a.spn", dtype=int).reshape(4, 3, 2).transpose()
+    assert np.array_equal(read, labels)
+
+
+def test_a_part_alone_has_the_elements_of_its_block(found, tmp_path):
+    found.write(tmp_path / "all.exo")
+    blocks = meshio.read(tmp_path / "all.exo")
+    for k, name in enumerate(["bone", "2", "outer shell"]):
+        part = found.part(name)
+        block = blocks.points[blocks.cells[k].data][..., : found.mesh.dim]
+        assert np.array_equal(part.points[part.cells], block)
 
 
 def test_wrong_input_is_named():
