@@ -7,12 +7,13 @@ from dataclasses import replace
 from tusqh.geometry.image import Image
 from tusqh.geometry.kinds import Geometry
 from tusqh.progress import Progress, log_progress
-from tusqh.sampling.fractions import VolumeFractions, require_memory, sample_fractions
+from tusqh.sampling.fractions import VolumeFractions, sample_fractions
 from tusqh.sampling.layout import lay_grid
+from tusqh.sampling.memory import require_memory
 from tusqh.sampling.orient import orient
 from tusqh.sampling.place import place_grid
 from tusqh.sampling.placement import Placement
-from tusqh.sampling.reference import Reference, find_reference
+from tusqh.sampling.reference import Reference, find_reference, signed_volume
 from tusqh.sampling.voxels import lay_on_voxels, voxel_fractions
 from tusqh.settings.grid import Grid, Window
 from tusqh.settings.sampling import Sampling
@@ -97,7 +98,8 @@ def sample_with_reference(
         return replace(fractions, placement=stays if is_auto else None), None
     oriented = orient(geometry, sampling.orientation).geometry
     background_grid = lay_grid(geometry, box, cells=grid.cells, cell_size=grid.cell_size)
-    require_memory(background_grid, "meshing", name=geometry.name)
+    of_geometry = signed_volume(oriented) if sampling.domain == "inside" else None
+    require_memory(background_grid, "meshing", name=geometry.name, volume=of_geometry)
     fractions = sample_fractions(
         oriented, background_grid, sampling=sampling, window=box, progress=progress("samples")
     )

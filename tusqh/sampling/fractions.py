@@ -17,14 +17,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from tusqh.errors import SamplingError
 from tusqh.geometry.kinds import Surface
 from tusqh.grid import BackgroundGrid, FloatArray, doubled
-from tusqh.machine import available_memory
 from tusqh.sampling.doubled_grid import (
     RESOLUTION,
     Multiples,
@@ -33,6 +32,7 @@ from tusqh.sampling.doubled_grid import (
 )
 from tusqh.sampling.field import WindingField, make_field
 from tusqh.sampling.lattice import Box, Lattice
+from tusqh.sampling.memory import require_memory
 from tusqh.sampling.nothing_inside import nothing_inside
 from tusqh.sampling.placement import Placement
 from tusqh.settings.sampling import Domain, Orientation, Sampling
@@ -42,9 +42,6 @@ SAMPLES_AT_A_TIME = 8_000_000
 
 #: Largest winding number whose sums fit in 32 bits.
 _LARGEST = 2000
-
-#: Memory that a step needs per cell in 2D and 3D (measured).
-_BYTES_PER_CELL = {"sampling": {2: 24, 3: 40}, "meshing": {2: 300, 3: 600}}
 
 
 @dataclass(frozen=True)
@@ -275,38 +272,6 @@ def round_fractions(values: FloatArray) -> FloatArray:
     349525.0
     """
     return np.rint(values / RESOLUTION) * RESOLUTION + 0.0  # + 0.0 turns -0.0 into 0.0
-
-
-def require_memory(
-    grid: BackgroundGrid, step: Literal["sampling", "meshing"], *, name: str
-) -> None:
-    """Raise a `SamplingError` with an estimate if a grid cannot fit in this machine's memory.
-
-    Parameters
-    ----------
-    grid
-        The background grid.
-    step
-        The step that needs the memory.
-    name
-        The model, for the message.
-
-    Raises
-    ------
-    SamplingError
-        The estimate exceeds the memory of this machine.
-    """
-    needed = grid.n_cells * _BYTES_PER_CELL[step][grid.dim]
-    available = available_memory()
-    if needed > available:
-        coarser = (needed / available) ** (1 / grid.dim)
-        raise SamplingError(
-            f"the {grid.label} grid of {grid.n_cells:,} cells needs about {needed / 1e9:.0f} GB",
-            where=name,
-            expected=f"at most the {available / 1e9:.0f} GB that this machine has left",
-            remedy=f"use cells at least {coarser:.2g} times as large (`grid.cell_size`), or fewer "
-            "`grid.cells`",
-        )
 
 
 def _check_samples(samples: Any) -> None:

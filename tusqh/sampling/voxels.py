@@ -23,8 +23,9 @@ from tusqh.errors import SamplingError
 from tusqh.geometry.image import Image
 from tusqh.grid import BackgroundGrid, FloatArray, IntArray
 from tusqh.sampling.doubled_grid import combine_half_blocks
-from tusqh.sampling.fractions import VolumeFractions, require_memory
+from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.lattice import Box
+from tusqh.sampling.memory import require_memory
 from tusqh.settings.sampling import Domain
 
 #: Largest offset between grid and voxels, in voxels, that counts as rounding.

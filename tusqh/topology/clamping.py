@@ -46,7 +46,8 @@ def clamp_multiples(multiples: Multiples) -> Multiples:
     >>> int(clamp_multiples(multiples)[4, 4])
     5
     """
-    nodes = np.pad(np.clip(multiples, 0, FULL).astype(np.int32), MARGIN)
+    nodes = np.zeros([n + 2 * MARGIN for n in multiples.shape], dtype=np.int32)
+    np.clip(multiples, 0, FULL, out=nodes[(slice(MARGIN, -MARGIN),) * nodes.ndim])
     layer = as_layer(nodes)
     _clamp(layer)
     return np.asarray(layer if nodes.ndim == 3 else layer[1])

@@ -15,9 +15,9 @@ from tusqh.geometry.image import Image
 from tusqh.geometry.kinds import Surface
 from tusqh.grid import FloatArray
 from tusqh.pipeline.materials.gather import Gathered
-from tusqh.sampling.fractions import require_memory
 from tusqh.sampling.lattice import Box
 from tusqh.sampling.layout import lay_grid
+from tusqh.sampling.memory import require_memory
 from tusqh.sampling.voxels import lay_on_voxels
 from tusqh.settings.materials import Material
 from tusqh.settings.model import Settings
