@@ -87,7 +87,7 @@ def _columns(*parts: str) -> tuple[str, ...]:
 
 
 _BETTI = "betti_0 betti_1 betti_2"
-_CELL_SET = "cells contacts overruled bridges removed filled"
+_CELL_SET = "cells contacts bridges removed filled"
 _AT = "{0}_at {0}_i {0}_j {0}_k {0}_x {0}_y {0}_z"
 
 _GEOMETRY_TO_SELECTION = (

@@ -86,11 +86,7 @@ def test_every_fact_is_computed_once(torus, goal):
     assert counts["tabulate_curves"] == ("threshold" not in GOALS[goal])
     assert counts["describe_geometry"] == 0
     assert counts["tabulate_pairs"] == (goal == "persistence")
-    n_plateaus = len(result.choice.plateaus)
-    if "threshold" in GOALS[goal]:
-        assert counts["at"] == 1
-    else:
-        assert n_plateaus < counts["at"] <= n_plateaus + n_meshes
+    assert counts["at"] == n_meshes
 
 
 def test_tables_are_computed_once_when_they_are_asked_for(torus):
@@ -99,5 +95,5 @@ def test_tables_are_computed_once_when_they_are_asked_for(torus):
         for name in ("defects", "diagram", "curves", "topologies"):
             assert getattr(result, name) is getattr(result, name)
     assert calls.counts["describe_geometry"] == calls.counts["tabulate_pairs"] == 1
-    assert calls.counts["at"] == len(result.topologies)
+    assert calls.counts["at"] == 0
     assert calls.counts["merge_components"] == 2

@@ -29,9 +29,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from tusqh.antialias.components import label_kept
-from tusqh.contacts.decide import Decision
-from tusqh.contacts.decided import Labels
-from tusqh.contacts.one_material import MATERIAL, VOID
+from tusqh.antialias.pinches import find_pinches
+from tusqh.contacts.one_material import MATERIAL
+from tusqh.contacts.one_material_contacts import find_contacts, label_cells
 from tusqh.contacts.planar import PlanarDecision
 from tusqh.grid import BackgroundGrid, BoolArray, IntArray
 from tusqh.grid.neighbourhoods import around_vertices
@@ -96,45 +96,43 @@ class Bridge:
 
 
 def join_components(
-    decision: Decision, is_interior: BoolArray, grid: BackgroundGrid, *, mode: BridgeMode
-) -> tuple[Decision, list[Bridge], pd.DataFrame]:
-    """Return decisions and paths that join components of a 2D grid, and a table of bridges.
+    kept: BoolArray, is_interior: BoolArray, grid: BackgroundGrid, *, mode: BridgeMode
+) -> tuple[BoolArray, list[Bridge], pd.DataFrame]:
+    """Return pinches to connect and paths to build between components, and a table of bridges.
 
     Parameters
     ----------
-    decision
-        The decisions at the contacts of kept cells.
+    kept
+        Kept cells, shape n.
     is_interior
         Whether the fraction is at least the threshold, on the doubled grid, shape ``2 n + 1``.
     grid
         The background grid.
     mode
         `forest` joins only components that are still separate, so no hole appears; `all` follows
-        every path between components that were different at the start.
+        every path between components that were different at the start.  Nothing is joined in 3D.
 
     Returns
     -------
-    decision
-        The decisions with the joined pinches connected.
+    is_joined
+        Separated pinches that are to connect, shape ``n + 1``.
     bridges
         The paths.
     table
         One row per bridge: kind, number of edges, length (model units), cells of the two
         components, end points, and whether it was accepted.
     """
-    if mode == "none" or not isinstance(decision, PlanarDecision):
-        return decision, [], pd.DataFrame(columns=BRIDGE_COLUMNS)
-    labels = label_kept(decision)
+    is_joined = np.zeros(tuple(n + 1 for n in kept.shape), dtype=bool)
+    if mode == "none" or kept.ndim != 2:
+        return is_joined, [], pd.DataFrame(columns=BRIDGE_COLUMNS)
+    labels = label_kept(label_cells(kept), find_contacts(kept, is_interior))
     joiner = _Joiner(labels, int(labels.max(initial=0)), grid, joins_all=mode == "all")
-    kept = labels > 0
-    ball = decision.ball[1:-1, 1:-1].copy()
-    _join_pinches(joiner, kept, ball, is_interior)
+    is_pinch = find_pinches(kept)
+    _join_pinches(joiner, kept, is_pinch & ~is_interior[::2, ::2], is_joined, is_interior)
     ends = _interior_edges(kept, is_interior)
     bridges = _join_paths(joiner, kept, ends)
     _report_unjoined(joiner, ends)
-    table = pd.DataFrame(joiner.rows, columns=BRIDGE_COLUMNS)
-    padded = np.pad(ball, 1, constant_values=-1)
-    return replace(decision, ball=padded), bridges, table
+    return is_joined, bridges, pd.DataFrame(joiner.rows, columns=BRIDGE_COLUMNS)
 
 
 def lay_bridges(decision: PlanarDecision, bridges: list[Bridge]) -> PlanarDecision:
@@ -197,8 +195,14 @@ def _disjoint_set(items: Iterable[int]) -> DisjointSet:
     return DisjointSet(items)
 
 
-def _join_pinches(joiner: _Joiner, kept: BoolArray, ball: Labels, is_interior: BoolArray) -> None:
-    """Connect separated pinches with two interior edges around an empty cell, in place."""
+def _join_pinches(
+    joiner: _Joiner,
+    kept: BoolArray,
+    is_separated: BoolArray,
+    is_joined: BoolArray,
+    is_interior: BoolArray,
+) -> None:
+    """Mark as joined separated pinches with two interior edges around an empty cell, in place."""
     edge = np.pad(is_interior, 1)
     left, right = edge[:-2:2, 1:-1:2], edge[2::2, 1:-1:2]
     down, up = edge[1:-1:2, :-2:2], edge[1:-1:2, 2::2]
@@ -209,13 +213,13 @@ def _join_pinches(joiner: _Joiner, kept: BoolArray, ball: Labels, is_interior: B
         | (upper_left & left & up)
         | (upper_right & right & up)
     )
-    for i, j in np.argwhere(around_empty & (ball == VOID)):
+    for i, j in np.argwhere(around_empty & is_separated):
         around = joiner.label[i : i + 2, j : j + 2]
         a, b = int(around.max()), int(around[around > 0].min())
         if joiner.may_join(a, b):
             joiner.joined.merge(a, b)
             joiner.add_row("pinch", a, b, np.array([[i, j]]), ACCEPTED)
-            ball[i, j] = MATERIAL
+            is_joined[i, j] = True
 
 
 def _interior_edges(kept: BoolArray, is_interior: BoolArray) -> IntArray:

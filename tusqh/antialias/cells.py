@@ -20,13 +20,15 @@ from tusqh.antialias.components import (
     label_holes,
     label_kept,
 )
-from tusqh.contacts.decide import Decision, decide_contacts, surround
+from tusqh.contacts.decide import Decision, decide_contacts
+from tusqh.contacts.decided import Contacts, Labels
 from tusqh.contacts.one_material import MATERIAL, OneMaterial, thresholds_of
-from tusqh.contacts.one_material import VOID as EMPTY
-from tusqh.contacts.planar import PlanarDecision, find_pinched
+from tusqh.contacts.one_material_contacts import find_contacts, label_cells
+from tusqh.contacts.planar import PlanarDecision
 from tusqh.contacts.predict import predict_betti
+from tusqh.contacts.surround import inner_cells
 from tusqh.errors import TopologyError
-from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.grid import BoolArray, FloatArray, IntArray, doubled
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.policy import Policy
 from tusqh.topology.betti_numbers import BettiNumbers
@@ -43,8 +45,10 @@ class CellSet:
         Volume-fraction threshold, dimensionless.
     kept
         Kept cells, shape n.
-    decision
-        The decisions at the contacts of `kept`, and in 2D the bridges.
+    contacts
+        The contacts of `kept` with the votes that decide them; those that bridges join connect.
+    fractions
+        Volume fractions of cells and sub-cells.
     bridges
         Paths of grid edges that join components.
     bridge_table
@@ -56,10 +60,25 @@ class CellSet:
 
     threshold: float
     kept: BoolArray
-    decision: Decision
+    contacts: Contacts
+    fractions: VolumeFractions
     bridges: list[Bridge]
     bridge_table: pd.DataFrame
     features: pd.DataFrame
+
+    @cached_property
+    def labels(self) -> Labels:
+        """The labels of all cells, see `tusqh.contacts.one_material_contacts.label_cells`."""
+        return label_cells(self.kept)
+
+    @cached_property
+    def decision(self) -> Decision:
+        """The templates that realise the votes of all contacts, and in 2D the bridges."""
+        if self.kept.ndim == 3:
+            t = thresholds_of(self.threshold)
+            labels = self.labels[inner_cells(3)]
+            return decide_contacts(OneMaterial(self.fractions), labels, t)
+        return lay_bridges(PlanarDecision.of(self.labels, self.contacts), self.bridges)
 
     @cached_property
     def predicted(self) -> BettiNumbers:
@@ -68,31 +87,24 @@ class CellSet:
         A bridge that joins two components lowers ``betti_0`` by one; a bridge within a component
         makes a hole.
         """
-        contacts = self.decision.contacts
-        without = predict_betti(self.decision.labels, contacts, 2)[MATERIAL]
+        without = predict_betti(self.labels, self.contacts, 2)[MATERIAL]
         if not self.bridges:
             return without
-        betti_0 = int(_label_with_bridges(self.decision, self.bridges).max())
+        betti_0 = int(_label_with_bridges(self.labels, self.contacts, self.bridges).max())
         n_more_holes = len(self.bridges) - (without.betti_0 - betti_0)
         return BettiNumbers(betti_0, without.betti_1 + n_more_holes, without.betti_2)
 
     @property
-    def follows_all_votes(self) -> bool:
-        """Whether every contact follows its vote, and no feature was changed and no bridge built.
-
-        The mesh then has the Betti numbers of the filtration.
-        """
-        return self.n_overruled + self.n_bridges + len(self.features) == 0
-
-    @property
     def n_contacts(self) -> int:
         """Number of pinched vertices, and in 3D edges, each of which has one vote."""
-        return len(self.decision.contacts)
+        return len(self.contacts)
 
-    @property
+    @cached_property
     def n_overruled(self) -> int:
-        """Number of contacts that do not follow their vote."""
-        return self.decision.n_overruled
+        """Number of contacts that the templates do not decide as they vote, which should be 0."""
+        found, wanted = self.decision.contacts, self.contacts
+        n_vertices = int((found.ball != wanted.ball).sum())
+        return n_vertices + int((found.edge_material != wanted.edge_material).sum())
 
     @property
     def n_bridges(self) -> int:
@@ -112,24 +124,43 @@ class CellSet:
 
 @dataclass(frozen=True)
 class _State:
-    """Kept cells and decisions between two steps of `CellSets.at`.
+    """Kept cells between two steps of `CellSets.at`.
 
     Parameters
     ----------
+    threshold
+        The threshold.
     kept
         Kept cells, shape n.
-    decision
-        The decisions at their contacts.
+    is_interior
+        Whether the sub-cells on the doubled grid connect, shape ``2 n + 1``.
     bridges
         Paths of grid edges that join components.
     features
         Tables of the features removed and filled so far.
     """
 
+    threshold: float
     kept: BoolArray
-    decision: Decision
+    is_interior: BoolArray
     bridges: list[Bridge]
     features: tuple[pd.DataFrame, ...] = ()
+
+    @cached_property
+    def labels(self) -> Labels:
+        """The labels of all cells."""
+        return label_cells(self.kept)
+
+    @cached_property
+    def contacts(self) -> Contacts:
+        """The contacts of the cells with their votes."""
+        return find_contacts(self.kept, self.is_interior)
+
+    def change(self, kept: BoolArray, table: pd.DataFrame) -> _State:
+        """Return the state with other cells, after features were removed or filled."""
+        if len(table) == 0:
+            return self
+        return replace(self, kept=kept, features=(*self.features, table))
 
 
 class CellSets:
@@ -190,6 +221,22 @@ class CellSets:
         levels = np.unique(values)
         return np.asarray(levels[(levels > 0) & (levels <= 1)][::-1])
 
+    def follows_filtration(self, raw_betti_0: int) -> bool:
+        """Return whether the cells at a threshold have the Betti numbers of the filtration.
+
+        Since every contact follows its vote, they do unless features are changed or bridges built.
+
+        Parameters
+        ----------
+        raw_betti_0
+            Number of components of the filtration at the threshold.
+        """
+        policy = self.policy
+        if not (policy.components.keeps_all and policy.holes.keeps_all and policy.voids.keeps_all):
+            return False
+        has_no_bridges = policy.bridges == "none" or self.fractions.grid.dim == 3
+        return has_no_bridges or raw_betti_0 < 2
+
     def at(self, threshold: float) -> CellSet:
         """Return the cells at a threshold, their decisions and their predicted topology.
 
@@ -201,94 +248,57 @@ class CellSets:
         threshold
             Volume-fraction threshold in (0, 1], dimensionless.
         """
-        kept = self.fractions.cells >= threshold
-        joined, bridge_table = self._join_components(kept, threshold)
-        done = self._change_features(joined, threshold)
-        bridges = [b for b in done.bridges if b.is_needed(done.kept)]
-        decision = done.decision
-        if isinstance(decision, PlanarDecision) and bridges:
-            decision = lay_bridges(decision, bridges)
+        joined, bridge_table = self._join_components(threshold)
+        done = self._fill_holes(self._remove_components(joined))
         return CellSet(
             threshold=threshold,
             kept=done.kept,
-            decision=decision,
-            bridges=bridges,
+            contacts=done.contacts,
+            fractions=self.fractions,
+            bridges=[b for b in done.bridges if b.is_needed(done.kept)],
             bridge_table=bridge_table,
             features=pd.concat(done.features) if done.features else self._no_features,
         )
 
-    def _decide(self, kept: BoolArray, threshold: float) -> Decision:
-        """Return the decisions at all contacts of kept cells, each by its own vote."""
-        labels = np.where(kept, MATERIAL, EMPTY).astype(np.int32)
-        return decide_contacts(OneMaterial(self.fractions), labels, thresholds_of(threshold))
-
-    def _join_components(self, kept: BoolArray, threshold: float) -> tuple[_State, pd.DataFrame]:
+    def _join_components(self, threshold: float) -> tuple[_State, pd.DataFrame]:
         """Return all cells at a threshold with their archipelagos joined, and the bridges."""
-        decision, bridges, table = join_components(
-            self._decide(kept, threshold),
-            self.fractions.values >= threshold,
-            self.fractions.grid,
-            mode=self.policy.bridges,
+        kept = self.fractions.cells >= threshold
+        is_interior = self.fractions.values >= threshold
+        is_joined, bridges, table = join_components(
+            kept, is_interior, self.fractions.grid, mode=self.policy.bridges
         )
-        return _State(kept, decision, bridges), table
+        is_interior[doubled.vertices(kept.ndim)] |= is_joined
+        return _State(threshold, kept, is_interior, bridges), table
 
-    def _change_features(self, state: _State, threshold: float) -> _State:
-        """Return the cells without the features that do not meet the criteria.
-
-        In 3D, contacts near a changed feature are decided again, which may in rare cases change
-        components, so the steps are repeated until nothing changes.
-        """
-        while True:
-            n_before = len(state.features)
-            state = self._remove_components(state, threshold)
-            state = self._fill_holes(state, threshold)
-            if len(state.features) == n_before or state.kept.ndim == 2:
-                return state
-
-    def _remove_components(self, state: _State, threshold: float) -> _State:
+    def _remove_components(self, state: _State) -> _State:
         """Return the cells without the components that do not meet the criteria."""
         if self.policy.components.keeps_all:
             return state
         is_small, table = find_small_features(
-            _label_with_bridges(state.decision, state.bridges),
+            _label_with_bridges(state.labels, state.contacts, state.bridges),
             self.policy.components,
             self.fractions,
             self.topology.persistence_by_cell[0],
-            threshold=threshold,
+            threshold=state.threshold,
             feature=COMPONENT,
         )
-        return self._change(state, state.kept & ~is_small, table, threshold)
+        return state.change(state.kept & ~is_small, table)
 
-    def _fill_holes(self, state: _State, threshold: float) -> _State:
+    def _fill_holes(self, state: _State) -> _State:
         """Return the cells after filling the holes (in 3D voids) that do not meet the criteria."""
         in_plane = state.kept.ndim == 2
         criteria = self.policy.holes if in_plane else self.policy.voids
         if criteria.keeps_all:
             return state
         is_small, table = find_small_features(
-            label_holes(state.decision),
+            label_holes(state.labels, state.contacts),
             criteria,
             self.fractions,
             self.topology.persistence_by_cell[1],
-            threshold=threshold,
+            threshold=state.threshold,
             feature=HOLE if in_plane else VOID,
         )
-        return self._change(state, state.kept | is_small, table, threshold)
-
-    def _change(
-        self, state: _State, kept: BoolArray, table: pd.DataFrame, threshold: float
-    ) -> _State:
-        """Return a state with other cells and the decisions at the contacts that are left."""
-        if len(table) == 0:
-            return state
-        decision = state.decision
-        if isinstance(decision, PlanarDecision):
-            labels = surround(np.where(kept, MATERIAL, EMPTY).astype(np.int32), EMPTY)
-            ball = np.where(find_pinched(labels), decision.ball, -1).astype(np.int32)
-            decision = PlanarDecision(labels, ball)
-        else:
-            decision = self._decide(kept, threshold)
-        return replace(state, kept=kept, decision=decision, features=(*state.features, table))
+        return state.change(state.kept | is_small, table)
 
     @property
     def _no_features(self) -> pd.DataFrame:
@@ -296,13 +306,13 @@ class CellSets:
         return pd.DataFrame(columns=[*FEATURE_COLUMNS, *"xyz"[: self.fractions.grid.dim]])
 
 
-def _label_with_bridges(decision: Decision, bridges: list[Bridge]) -> IntArray:
+def _label_with_bridges(labels: Labels, contacts: Contacts, bridges: list[Bridge]) -> IntArray:
     """Return the component of every kept cell, numbered from 1, joined by bridges; shape n."""
-    labels = label_kept(decision)
+    component = label_kept(labels, contacts)
     if not bridges:
-        return labels
-    pairs = labels.ravel()[np.stack([bridge.cells for bridge in bridges])]
-    size = int(labels.max()) + 1
+        return component
+    pairs = component.ravel()[np.stack([bridge.cells for bridge in bridges])]
+    size = int(component.max()) + 1
     graph = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(size, size))
     _, joined = connected_components(graph, directed=False)
-    return np.asarray(joined[labels], dtype=np.int64)  # Label 0 stays separate and first.
+    return np.asarray(joined[component], dtype=np.int64)  # Label 0 stays separate and first.

@@ -12,9 +12,10 @@ import numpy as np
 import pandas as pd
 from scipy import ndimage
 
-from tusqh.contacts.decide import Decision, inner_cells
+from tusqh.contacts.decided import Contacts, Labels
 from tusqh.contacts.one_material import MATERIAL
 from tusqh.contacts.predict import find_components
+from tusqh.contacts.surround import inner_cells
 from tusqh.grid import BoolArray, FloatArray, IntArray, doubled
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.policy import Criteria
@@ -34,29 +35,30 @@ FEATURE_COLUMNS = [
 ]
 
 
-def label_kept(decision: Decision) -> IntArray:
+def label_kept(labels: Labels, contacts: Contacts) -> IntArray:
     """Return the component of every kept cell, numbered from 1; 0 elsewhere, shape n.
 
     Parameters
     ----------
-    decision
-        The decisions at the contacts of kept cells.
+    labels
+        Labels of kept and empty cells, see `tusqh.contacts.one_material_contacts.label_cells`.
+    contacts
+        The decisions at their contacts.
     """
-    component = find_components(decision.labels, decision.contacts)
-    return _number(component, decision.labels == MATERIAL)
+    component = find_components(labels, contacts)
+    return _number(component, labels == MATERIAL)
 
 
-def label_holes(decision: Decision) -> IntArray:
+def label_holes(labels: Labels, contacts: Contacts) -> IntArray:
     """Return the hole, in 3D the void, of every empty cell, from 1; 0 elsewhere, shape n.
 
     Parameters
     ----------
-    decision
-        The decisions at the contacts of kept cells.
+    labels, contacts
+        See `label_kept`.
     """
-    component = find_components(decision.labels, decision.contacts)
-    is_outside = component == component.flat[0]
-    return _number(component, (decision.labels != MATERIAL) & ~is_outside)
+    component = find_components(labels, contacts)
+    return _number(component, (labels != MATERIAL) & (component != component.flat[0]))
 
 
 def _number(component: IntArray, chosen: BoolArray) -> IntArray:
@@ -118,15 +120,21 @@ def find_small_features(
     is_small &= is_feature
     found = np.flatnonzero(is_small)
     is_removed = is_small[labels]
-    centres = np.array(ndimage.center_of_mass(is_removed, labels, found)).reshape(-1, grid.dim)
-    places = grid.to_points(centres + 0.5)
+    # Only the removed cells are examined, since they are few.
+    place = np.nonzero(is_removed)
+    own = np.searchsorted(found, labels[place])
+    smallest, largest = np.full(len(found), np.inf), np.full(len(found), -np.inf)
+    np.minimum.at(smallest, own, fractions.cells[place])
+    np.maximum.at(largest, own, fractions.cells[place])
+    sums = [np.bincount(own, weights=at, minlength=len(found)) for at in place]
+    places = grid.to_points(np.stack(sums, axis=1) / n_cells[found][:, None] + 0.5)
     values = [
         np.full(len(found), feature),
         n_cells[found],
         volume[found],
         lives[found],
-        np.array(ndimage.minimum(fractions.cells, labels, found)),
-        np.array(ndimage.maximum(fractions.cells, labels, found)),
+        smallest,
+        largest,
         _count_interior_sub_cells(np.where(is_removed, labels, 0), fractions, threshold)[found],
     ]
     table = pd.DataFrame(dict(zip(FEATURE_COLUMNS, values, strict=True)))
@@ -142,10 +150,14 @@ def _count_interior_sub_cells(
     n = int(labels.max(initial=0)) + 1
     if n == 1:
         return np.zeros(1, dtype=np.int64)
+    # Only the surroundings of the features are examined, since they are small.
+    box = tuple(
+        slice(max(2 * int(at.min()), 0), 2 * int(at.max()) + 3) for at in np.nonzero(labels)
+    )
     on_doubled = np.zeros(fractions.values.shape, dtype=np.int64)
     on_doubled[doubled.cells(labels.ndim)] = labels
-    is_cell = on_doubled > 0
+    on_doubled = on_doubled[box]
     # A sub-cell between two features counts for the one with the larger label.
     around = ndimage.grey_dilation(on_doubled, size=(3,) * labels.ndim)
-    is_interior = (fractions.values >= threshold) & (around > 0) & ~is_cell
+    is_interior = (fractions.values[box] >= threshold) & (around > 0) & (on_doubled == 0)
     return np.bincount(around[is_interior], minlength=n).astype(np.int64)

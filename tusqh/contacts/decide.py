@@ -10,15 +10,12 @@ from tusqh.contacts.decided import Labels
 from tusqh.contacts.emit_spatial import emit_spatial
 from tusqh.contacts.planar import PlanarDecision, decide_balls, emit_planar
 from tusqh.contacts.spatial import SpatialDecision, decide_sticks
-from tusqh.contacts.spatial_votes import LAYERS
+from tusqh.contacts.surround import inner_cells, surround
 from tusqh.contacts.votes import Fractions
 from tusqh.grid import BackgroundGrid, IntArray
 from tusqh.meshes.volume_mesh import VolumeMesh
 
 Decision = PlanarDecision | SpatialDecision
-
-#: Layers of void around the cells of a decision, by dimension.
-_LAYERS = {2: 1, 3: LAYERS}
 
 
 def decide_contacts(fractions: Fractions, labels: Labels, thresholds: IntArray) -> Decision:
@@ -37,35 +34,6 @@ def decide_contacts(fractions: Fractions, labels: Labels, thresholds: IntArray) 
     if labels.ndim == 3:
         return decide_sticks(fractions, padded, thresholds)
     return PlanarDecision(padded, decide_balls(fractions, padded, thresholds))
-
-
-def surround(labels: Labels, void: int) -> Labels:
-    """Return labels with the layers of void that decisions need.
-
-    Parameters
-    ----------
-    labels
-        Material of every cell, shape n.
-    void
-        Label of the void.
-    """
-    return np.pad(labels, _LAYERS[labels.ndim], constant_values=void)
-
-
-def inner_cells(dim: int) -> tuple[slice, ...]:
-    """Return the slices that leave out the layers of void of a decision.
-
-    Parameters
-    ----------
-    dim
-        Dimension of the grid.
-
-    Returns
-    -------
-    slices
-        One for each axis.
-    """
-    return (slice(_LAYERS[dim], -_LAYERS[dim]),) * dim
 
 
 def emit_decision(

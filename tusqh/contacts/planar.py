@@ -58,6 +58,22 @@ class PlanarDecision:
     #: Every ball follows its vote.
     n_overruled = 0
 
+    @classmethod
+    def of(cls, labels: Labels, contacts: Contacts) -> PlanarDecision:
+        """Return the decision with the balls of given contacts.
+
+        Parameters
+        ----------
+        labels
+            Material of every cell, with a layer of void around them, shape ``n + 2``.
+        contacts
+            The contacts of the cells.
+        """
+        ball = np.full(tuple(n + 1 for n in labels.shape), -1, dtype=np.int32)
+        # The third of the cells around a vertex is the one above it, and has its numbers.
+        ball[np.unravel_index(contacts.vertex_cells[:, 2], labels.shape)] = contacts.ball
+        return cls(labels, ball)
+
     @cached_property
     def is_pinched(self) -> BoolArray:
         """The pinched vertices, shape ``n + 3``."""

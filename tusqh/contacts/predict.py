@@ -18,7 +18,6 @@ from tusqh.contacts.decided import Contacts, Labels
 from tusqh.contacts.octants import octants
 from tusqh.contacts.planar import find_diagonals
 from tusqh.grid import BoolArray, IntArray
-from tusqh.grid.neighbourhoods import neighbours_along
 from tusqh.topology.betti_numbers import BettiNumbers
 
 
@@ -45,7 +44,7 @@ def predict_betti(labels: Labels, contacts: Contacts, n_materials: int) -> list[
     ['(2, 0, 0)', '(1, 2, 0)']
     """
     component = find_components(labels, contacts)
-    names, numbers = np.unique(component, return_inverse=True)
+    names, numbers = _number_components(component.ravel())
     numbers = numbers.reshape(labels.shape)
     material_of = labels.ravel()[names]
     pairs = _find_touching(numbers, labels, contacts)
@@ -106,16 +105,7 @@ def count_euler(labels: Labels, contacts: Contacts, n_materials: int) -> IntArra
     n_materials
         Number of materials.
     """
-
-    def count(materials: Labels) -> IntArray:
-        return np.bincount(materials, minlength=n_materials).astype(np.int64)
-
-    euler = count(labels.ravel())
-    for axis in range(3):
-        lower, upper = neighbours_along(labels, axis)
-        euler -= count(lower[lower == upper])
-        euler += count(_find_uniform(labels, [k for k in range(3) if k != axis]))
-    euler -= count(_find_uniform(labels, [0, 1, 2]))
+    euler: IntArray = _count_blocks(np.ascontiguousarray(labels), n_materials)
     flat = labels.ravel()
     euler += np.bincount(
         contacts.edge_material,
@@ -125,18 +115,6 @@ def count_euler(labels: Labels, contacts: Contacts, n_materials: int) -> IntArra
     links = 1 - _euler_of_links(flat[contacts.vertex_cells], contacts.sticks, contacts.ball)
     euler += np.bincount(contacts.ball, weights=links, minlength=n_materials).astype(np.int64)
     return euler
-
-
-def _find_uniform(labels: Labels, axes: list[int]) -> Labels:
-    """Return the materials of all blocks, two cells long along some axes, of one material."""
-    same = np.ones_like(labels, dtype=bool)
-    material = labels
-    for axis in axes:
-        low, high = neighbours_along(material, axis)
-        same_low, same_high = neighbours_along(same, axis)
-        same = same_low & same_high & (low == high)
-        material = low
-    return np.asarray(material[same])
 
 
 def _euler_of_edges(around: Labels, material: Labels) -> IntArray:
@@ -187,11 +165,8 @@ def find_components(labels: Labels, contacts: Contacts) -> IntArray:
 def _find_touching(numbers: IntArray, labels: Labels, contacts: Contacts) -> IntArray:
     """Return the pairs of components that touch, shape (r, 2)."""
     n = int(numbers.max()) + 1
-    keys = [np.empty(0, dtype=np.int64)]
-    for axis in range(numbers.ndim):
-        lower, upper = neighbours_along(numbers, axis)
-        differ = lower != upper
-        keys.append(np.unique(lower[differ] * n + upper[differ]))
+    layer = numbers if numbers.ndim == 3 else numbers[None]
+    keys = [np.unique(_touching_pairs(np.ascontiguousarray(layer), n))]
     flat, materials = numbers.ravel(), labels.ravel()
     for cells, material in (
         (contacts.edge_cells, contacts.edge_material),
@@ -243,6 +218,69 @@ def _join_faces(flat, shape, parent):  # type: ignore[no-untyped-def]
                     _join(parent, at, at - n_z)
                 if i > 0 and flat[at] == flat[at - n_y * n_z]:
                     _join(parent, at, at - n_y * n_z)
+
+
+@numba.njit(cache=True)
+def _number_components(component):  # type: ignore[no-untyped-def]
+    """Return the lowest cell of every component, ascending, and the component of every cell."""
+    numbers = np.empty(len(component), dtype=np.int64)
+    names = np.empty(len(component), dtype=np.int64)
+    n = 0
+    for a in range(len(component)):
+        if component[a] == a:
+            names[n] = a
+            numbers[a] = n
+            n += 1
+        else:
+            numbers[a] = numbers[component[a]]
+    return names[:n].copy(), numbers
+
+
+@numba.njit(cache=True)
+def _touching_pairs(numbers, n):  # type: ignore[no-untyped-def]
+    """Return keys of the pairs of components across faces, each at least once."""
+    keys, size = np.empty(1024, dtype=np.int64), 0
+    last = np.full(3, -1, dtype=np.int64)
+    for i in range(numbers.shape[0]):
+        for j in range(numbers.shape[1]):
+            for k in range(numbers.shape[2]):
+                own = numbers[i, j, k]
+                for axis in range(3):
+                    if axis == 0:
+                        other = numbers[i - 1, j, k] if i > 0 else own
+                    elif axis == 1:
+                        other = numbers[i, j - 1, k] if j > 0 else own
+                    else:
+                        other = numbers[i, j, k - 1] if k > 0 else own
+                    key = other * n + own
+                    if other == own or key == last[axis]:
+                        continue
+                    last[axis] = key
+                    if size == len(keys):
+                        keys = np.concatenate((keys, np.empty_like(keys)))
+                    keys[size] = key
+                    size += 1
+    return keys[:size].copy()
+
+
+@numba.njit(cache=True)
+def _count_blocks(labels, n_materials):  # type: ignore[no-untyped-def]
+    """Return cells minus faces plus edges minus vertices between cells of one material."""
+    euler = np.zeros(n_materials, dtype=np.int64)
+    n_x, n_y, n_z = labels.shape
+    for i in range(n_x):
+        for j in range(n_y):
+            for k in range(n_z):
+                own = labels[i, j, k]
+                x = i + 1 < n_x and labels[i + 1, j, k] == own
+                y = j + 1 < n_y and labels[i, j + 1, k] == own
+                z = k + 1 < n_z and labels[i, j, k + 1] == own
+                xy = x and y and labels[i + 1, j + 1, k] == own
+                xz = x and z and labels[i + 1, j, k + 1] == own
+                yz = y and z and labels[i, j + 1, k + 1] == own
+                xyz = xy and xz and yz and labels[i + 1, j + 1, k + 1] == own
+                euler[own] += 1 - x - y - z + xy + xz + yz - xyz
+    return euler
 
 
 @numba.njit(cache=True)

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from tusqh.antialias.cells import CellSet, CellSets
-from tusqh.grid import FloatArray, IntArray
+from tusqh.antialias.cells import CellSets
+from tusqh.contacts.one_material_contacts import count_contacts
+from tusqh.grid import FloatArray, IntArray, doubled
 from tusqh.progress import Progress
+from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.reference import Reference
 from tusqh.threshold.within_interval import margin_of, take_threshold_of
-from tusqh.topology.betti_numbers import BettiNumbers
 
 BETTI = ["betti_0", "betti_1", "betti_2"]
 
 #: Columns of `Plateaus.table`.
-PREDICTED = ["upper", "lower", "width", "threshold", "cells", "contacts", "overruled", "bridges"]
+PREDICTED = ["upper", "lower", "width", "threshold", "cells", "contacts", "bridges"]
 PREDICTED += ["removed", "filled", *BETTI, "volume_ratio"]
 PREDICTED += [*(f"raw_{name}" for name in BETTI), "raw_agrees"]
 
@@ -74,23 +76,21 @@ class Plateaus:
 
         There is one row per plateau, from high to low: `upper` and `lower` (every threshold ``t``
         with ``lower < t <= upper`` gives the same mesh); `width`; `threshold`, its middle; the
-        number of `cells` kept, of `contacts` and of those whose vote is `overruled`, of `bridges`,
-        of components `removed` and of holes or voids `filled`; `betti_0`, `betti_1`, `betti_2` of
-        the mesh; `volume_ratio`, the ratio of the kept cells' volume to that of the geometry, NaN
-        if the latter is unknown; ``raw_betti_*`` of the filtration; `raw_agrees`, whether the
-        filtration and the mesh have the same Betti numbers.
+        number of `cells` kept, of `contacts`, of `bridges`, of components `removed` and of holes or
+        voids `filled`; `betti_0`, `betti_1`, `betti_2` of the mesh; `volume_ratio`, the ratio of
+        the kept cells' volume to that of the geometry, NaN if the latter is unknown;
+        ``raw_betti_*`` of the filtration; `raw_agrees`, whether the filtration and the mesh have
+        the same Betti numbers.
         """
+        raw = self._raw
         report = self._progress("plateaus") if self._progress else None
         for index in range(len(self)):
-            self._examine(index)
+            self._examine(index, raw[index].tolist())
             if report is not None:
                 report(index + 1, len(self))
         predicted = self._tabulate(slice(0, len(self)))
-        # Plateaus go from high to low; the first with a lower end below it holds the threshold.
-        curves = self.cell_sets.topology.curves
-        of_raw = np.searchsorted(-curves["lower"].to_numpy(), -self.upper, side="right")
-        for name in BETTI:
-            predicted[f"raw_{name}"] = curves[name].to_numpy()[of_raw]
+        for name, numbers in zip(BETTI, raw.T, strict=True):
+            predicted[f"raw_{name}"] = numbers
         raw_numbers = predicted[[f"raw_{name}" for name in BETTI]].to_numpy()
         predicted["raw_agrees"] = (raw_numbers == predicted[BETTI].to_numpy()).all(axis=1)
         return predicted
@@ -129,28 +129,55 @@ class Plateaus:
         row = self._examine(index)
         return (row["cells"] > 0, *(row[name] for name in BETTI))
 
-    def _examine(self, index: int) -> dict[str, float]:
-        """Return the prediction for one plateau."""
+    def _examine(self, index: int, raw: Sequence[int] | None = None) -> dict[str, float]:
+        """Return the prediction for one plateau.
+
+        Every contact follows its vote, so the numbers are those of the filtration (`raw`, counted
+        if they are not given) where neither features nor bridges change the cells.
+        """
         if index not in self._rows:
-            cells = self.cell_sets.at((self.upper[index] + self.lower[index]) / 2)
+            threshold = self._thresholds[index]
+            raw = raw or list(self.cell_sets.topology.betti_at(threshold))
+            if self.cell_sets.follows_filtration(raw[0]):
+                n_cells, n_contacts = self._counts[index].tolist()
+                changes, betti = (0, 0, 0), list(raw)
+            else:
+                cells = self.cell_sets.at(threshold)
+                n_cells, n_contacts = int(cells.kept.sum()), cells.n_contacts
+                changes = cells.n_bridges, cells.n_removed, cells.n_filled
+                betti = list(cells.predicted)
             self._rows[index] = {
-                "threshold": cells.threshold,
-                "cells": int(cells.kept.sum()),
-                "contacts": cells.n_contacts,
-                "overruled": cells.n_overruled,
-                "bridges": cells.n_bridges,
-                "removed": cells.n_removed,
-                "filled": cells.n_filled,
-                **self._predict(cells)._asdict(),
-                "volume_ratio": self._volume_ratio(int(cells.kept.sum())),
+                "threshold": threshold,
+                "cells": n_cells,
+                "contacts": n_contacts,
+                **dict(zip(("bridges", "removed", "filled"), changes, strict=True)),
+                **dict(zip(BETTI, betti, strict=True)),
+                "volume_ratio": self._volume_ratio(n_cells),
             }
         return self._rows[index]
 
-    def _predict(self, cells: CellSet) -> BettiNumbers:
-        """Return the Betti numbers of the mesh; where all votes are followed, the filtration's."""
-        if cells.follows_all_votes:
-            return self.cell_sets.topology.betti_at(cells.threshold)
-        return cells.predicted
+    @cached_property
+    def _thresholds(self) -> FloatArray:
+        """The middle of every plateau."""
+        return np.asarray((self.upper + self.lower) / 2)
+
+    @cached_property
+    def _raw(self) -> IntArray:
+        """Betti numbers of the filtration at every plateau, shape (number of plateaus, 3)."""
+        # Plateaus go from high to low; the first with a lower end below it holds the threshold.
+        curves = self.cell_sets.topology.curves
+        row = np.searchsorted(-curves["lower"].to_numpy(), -self.upper, side="right")
+        return curves[BETTI].to_numpy(dtype=np.int64)[row]
+
+    @cached_property
+    def _counts(self) -> IntArray:
+        """Numbers of cells and of contacts at every plateau, shape (number of plateaus, 2)."""
+        fractions = self.cell_sets.fractions
+        least = np.ceil(self._thresholds / RESOLUTION).astype(np.int64)
+        cells = np.sort(fractions.multiples[doubled.cells(fractions.grid.dim)].ravel())
+        n_cells = len(cells) - np.searchsorted(cells, least)
+        n_contacts = count_contacts(fractions.multiples, least[::-1])[::-1]
+        return np.stack([n_cells, n_contacts], axis=1)
 
     def _volume_ratio(self, n_cells: int) -> float:
         if self.reference.volume <= 0:

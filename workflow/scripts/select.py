@@ -36,10 +36,9 @@ with recorded(snakemake) as log:
     )
     selection, topologies = choice.selection, choice.topologies
     log.info(
-        "%d plateaus examined; the filtration agrees at %d, votes overruled at %d",
+        "%d plateaus examined; the filtration agrees at %d",
         len(topologies),
         topologies["raw_agrees"].sum(),
-        (topologies["overruled"] > 0).sum(),
     )
     log.info("threshold %.6g: %s", selection.threshold, selection.reason)
     if selection.without_features:
