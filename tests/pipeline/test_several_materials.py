@@ -135,6 +135,38 @@ def test_wrong_input_is_named(source, options, kind, message):
         tusqh.mesh(source, **options)
 
 
+def test_fractions_of_cells_are_a_source():
+    """Fractions of cells alone give the labels of the largest; edges and vertices are means."""
+    fields = np.random.default_rng(3).dirichlet(np.ones(3), (4, 3, 5))
+    fractions = MaterialFractions.from_cells({"a": fields[..., 0], "b": fields[..., 1]})
+    found = tusqh.mesh(fractions, materials={"a": 0.9})
+    assert found.is_as_predicted
+    assert found.thresholds["a"] == 0.9
+    volumes = found.fractions.volumes()
+    assert volumes["a"] == pytest.approx(fields[..., 0].sum(), abs=1e-4)
+    whole = fractions.multiples_at(
+        np.array([(4 * 7 + 2) * 11 + 4]), np.array([[0]], dtype=np.int32)
+    )
+    assert whole[0, 0] / FULL == pytest.approx(fields[1:3, 0:2, 1:3, 0].mean(), abs=1e-5)
+    with pytest.raises(TopologyError, match="2 cells in which the fractions of"):
+        MaterialFractions.from_cells(
+            {"a": np.array([[0.9, 0.7, 0.0]]), "b": np.array([[0.6, 0.6, 1.0]])}
+        )
+    with pytest.raises(SamplingError, match="volume fractions of the shapes"):
+        MaterialFractions.from_cells({"a": np.zeros((2, 2)), "b": np.zeros((2, 3))})
+    with pytest.raises(ConfigError, match="no material 'c'"):
+        tusqh.mesh(fractions, materials={"c": 0.9})
+
+
+def test_a_volume_that_differs_is_a_warning():
+    image = np.array([[1, 1, 1, 1], [1, 1, 1, 2]]).repeat(4, axis=0)
+    found = tusqh.mesh(image, cells=4, materials="labels")
+    assert found.has_warnings
+    (row,) = found.verdict[found.verdict["holds"] == "warning"].itertuples()
+    assert row.id == "volume_1"
+    assert not tusqh.mesh(image, cells=4, materials="labels", volume_tolerance=0.5).has_warnings
+
+
 def test_contradicting_wishes_name_the_first_that_fails():
     """Two bands cross in a cell of which each fills half: only one of them can pass."""
     image = np.zeros((12, 12), dtype=np.uint8)

@@ -32,11 +32,14 @@ class Written:
         Folder for everything that led to the mesh; None: none.
     as_json
         Print JSON instead of tables.
+    is_strict
+        End with exit code 3 where there are warnings.
     """
 
     outputs: Sequence[Path]
     results: Path | None
     as_json: bool
+    is_strict: bool = False
 
 
 def mesh_and_show(
@@ -65,7 +68,8 @@ def mesh_and_show(
     Raises
     ------
     typer.Exit
-        With code 1: a wish cannot be fulfilled, or a check fails.
+        With code 1 if a wish cannot be fulfilled or a check fails, 3 if there are warnings and
+        `is_strict`, otherwise 0.
     """
     from tusqh.pipeline.materials.mesh import mesh_several
 
@@ -86,6 +90,7 @@ def mesh_and_show(
         _show(found, [*written.outputs, *filter(None, [written.results])])
     if not found.is_as_predicted:
         raise typer.Exit(1)
+    raise typer.Exit(3 if written.is_strict and found.has_warnings else 0)
 
 
 def read_wish(text: str) -> Material:
@@ -138,5 +143,8 @@ def _show(found: MaterialsResult, outputs: Sequence[Path]) -> None:
         show(found.pairs, title="Pairs")
     for remark in found.remarks:
         typer.echo(str(remark))
+    warned = found.verdict[found.verdict["holds"] == "warning"]
+    for check in warned.itertuples():
+        typer.echo(f"warning: {check.name}: {check.found}, required {check.required}")
     typer.echo(f"contacts {found.built.n_contacts}, votes overruled {found.built.n_overruled}")
     typer.echo("written  " + ", ".join(map(str, outputs)))

@@ -90,7 +90,7 @@ def mesh(
     _require_outputs(geometry, outputs, results)
     is_several = materials or bool(material) or rest is not None
     if is_several:
-        written = Written(outputs, results, as_json=as_json)
+        written = Written(outputs, results, as_json=as_json, is_strict=strict)
         mesh_and_show(geometry, material or [], settings, rest=rest, written=written)
         return
     if len(geometry) > 1:

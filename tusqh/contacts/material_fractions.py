@@ -7,7 +7,7 @@ so memory grows with the number of places, not of materials.  Places that decide
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
@@ -15,9 +15,9 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from tusqh.errors import TopologyError
-from tusqh.grid import BackgroundGrid, IntArray, doubled
-from tusqh.sampling.doubled_grid import RESOLUTION, Multiples
+from tusqh.errors import SamplingError, TopologyError
+from tusqh.grid import BackgroundGrid, FloatArray, IntArray, doubled
+from tusqh.sampling.doubled_grid import RESOLUTION, Multiples, combine_half_blocks
 from tusqh.sampling.fractions import VolumeFractions
 
 #: Fraction of a full cell, in multiples of `RESOLUTION`.
@@ -100,6 +100,55 @@ class MaterialFractions:
             material=np.concatenate(materials)[order],
             multiple=np.concatenate(values)[order],
         )
+
+    @classmethod
+    def from_cells(
+        cls,
+        cells: Mapping[str, FloatArray],
+        *,
+        cell_size: float = 1.0,
+        origin: tuple[float, ...] | None = None,
+    ) -> MaterialFractions:
+        """Return the fractions of materials that are known for cells only; the remainder is void.
+
+        An edge or a vertex has the mean of the cells around it, so contacts are decided without
+        knowledge of what lies in them.
+
+        Parameters
+        ----------
+        cells
+            Fractions of every material by name, shape (nx, ny) or (nx, ny, nz) each.
+        cell_size
+            Edge length of a cell, in model units.
+        origin
+            Lowest corner of the grid, in model units; 0 by default.
+
+        Raises
+        ------
+        SamplingError
+            The arrays are not of one shape of two or three axes.
+        TopologyError
+            The fractions of a cell add up to more than 1.
+
+        Examples
+        --------
+        >>> halves = {"a": np.array([[0.5, 0.5]]), "b": np.array([[0.0, 0.5]])}
+        >>> MaterialFractions.from_cells(halves).volumes()
+        {'a': 1.0, 'b': 0.5, 'void': 0.5}
+        """
+        arrays = [np.asarray(array, dtype=np.float64) for array in cells.values()]
+        shapes = {array.shape for array in arrays}
+        if len(shapes) != 1 or arrays[0].ndim not in (2, 3) or not np.isfinite(arrays).all():
+            raise SamplingError(
+                f"volume fractions of the shapes {', '.join(map(str, sorted(shapes))) or 'none'}",
+                where="volume fractions of several materials",
+                expected="arrays of finite numbers and of one shape, with two or three axes",
+                remedy="give one array for each material",
+            )
+        dim = arrays[0].ndim
+        grid = BackgroundGrid(arrays[0].shape, cell_size, origin or (0.0,) * dim)
+        halves = [np.kron(array, np.ones((2,) * dim)).astype(np.float64) for array in arrays]
+        return cls.from_multiples(grid, list(cells), [combine_half_blocks(h) for h in halves])
 
     @classmethod
     def from_fractions(

@@ -74,7 +74,7 @@ def gather(source: Any, wishes: Sequence[Material], image: Voxels | None = None)
         surfaces, remarks = {}, list[Remark]()
         for name, given in named.items():
             surfaces[str(name)] = _read_surface(given, str(name), remarks)
-        _require_known(wishes, list(surfaces))
+        require_known(wishes, list(surfaces))
         return Gathered(tuple(wishes), surfaces, remarks=tuple(remarks))
     if isinstance(source, np.ndarray) and source.ndim == 2:
         return replace(gather(source[:, :, None], wishes, image), is_plane=True)
@@ -134,7 +134,7 @@ def _gather_parts(
             surfaces[material.name] = _part_of(parts, material)
     if not placed:
         surfaces = {f"part_{k + 1}": part for k, part in enumerate(parts)}
-    _require_known(wishes, list(surfaces))
+    require_known(wishes, list(surfaces))
     return Gathered(tuple(wishes), surfaces, remarks=tuple(remarks))
 
 
@@ -183,8 +183,21 @@ def _read_surface(source: Any, name: str, remarks: list[Remark]) -> Surface:
     return reading.geometry
 
 
-def _require_known(wishes: Sequence[Material], names: list[str]) -> None:
-    """Raise a `ConfigError` if a material that is wished for does not exist."""
+def require_known(wishes: Sequence[Material], names: Sequence[str]) -> None:
+    """Raise an error if a material that is wished for does not exist.
+
+    Parameters
+    ----------
+    wishes
+        The materials for which something is given.
+    names
+        The materials that exist; the void need not be among them.
+
+    Raises
+    ------
+    ConfigError
+        A material does not exist, or there is none.
+    """
     unknown = [m.name for m in wishes if m.name not in (*names, VOID)]
     if unknown or not names:
         shown = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")

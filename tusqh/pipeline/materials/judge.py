@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+import pandas as pd
 
 from tusqh.antialias.scheme import PINCH_TEMPLATES
 from tusqh.meshes.checks import Check
@@ -88,3 +89,28 @@ def judge_materials(
                 )
             )
     return checks
+
+
+def compare_volumes(materials: pd.DataFrame, tolerance: float) -> list[Check]:
+    """Return a warning for every material whose volume differs from that of its geometry.
+
+    Parameters
+    ----------
+    materials
+        See `tusqh.pipeline.materials.result.MaterialsResult.materials`.
+    tolerance
+        Largest relative difference.
+    """
+    ratios = (materials["volume"] / materials["volume_of_geometry"]).tolist()
+    return [
+        Check(
+            id=f"volume_{name}",
+            name=f"{name}: volume",
+            found=f"{ratio:.4f} of the volume of its geometry",
+            required=f"within {tolerance:.0%}",
+            holds=abs(ratio - 1) <= tolerance,
+            is_warning=True,
+            remedy="use smaller cells, or another threshold for this material",
+        )
+        for name, ratio in zip(materials["material"], ratios, strict=True)
+    ]

@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from tusqh.contacts import MaterialFractions
 from tusqh.errors import ConfigError
-from tusqh.pipeline.materials.gather import gather, is_pair
+from tusqh.pipeline.materials.gather import Gathered, gather, is_pair, require_known
 from tusqh.pipeline.materials.remarks import note_absent
 from tusqh.pipeline.materials.result import MaterialsResult
-from tusqh.pipeline.materials.sample import sample_materials
+from tusqh.pipeline.materials.sample import Sampled, sample_materials
 from tusqh.pipeline.materials.wishes import fulfil
 from tusqh.settings.materials import Materials, to_materials
 from tusqh.settings.model import Settings
@@ -28,8 +29,9 @@ def has_several_materials(source: Any, materials: Materials | None) -> bool:
     >>> has_several_materials(["a.stl", "b.stl"], None), has_several_materials("a.stl", None)
     (True, False)
     """
-    is_several = isinstance(source, (list, tuple, dict)) and not is_pair(source)
-    return materials is not None or is_several
+    if materials is not None or isinstance(source, MaterialFractions):
+        return True
+    return isinstance(source, (list, tuple, dict)) and not is_pair(source)
 
 
 def mesh_several(
@@ -45,7 +47,8 @@ def mesh_several(
     Parameters
     ----------
     source
-        Files, parts or labels, see `tusqh.pipeline.materials.gather.gather`.
+        Files, parts or labels, see `tusqh.pipeline.materials.gather.gather`; or the fractions of
+        all materials.
     settings
         Only the grid, the window, the samples and the size of voxels have an effect.
     materials
@@ -78,10 +81,15 @@ def mesh_several(
     _require_no_others(settings)
     if name is None:
         name = Path(source).stem if isinstance(source, (str, Path)) else "model"
-    gathered = gather(source, to_materials(materials), settings.image)
-    if gathered.image is not None and settings.window is not None:
-        raise _without_effect("window", "leave it out: labels are meshed as a whole")
-    sampled = sample_materials(gathered, settings, rest=rest)
+    wishes = to_materials(materials)
+    if isinstance(source, MaterialFractions):
+        gathered, sampled = Gathered(wishes), Sampled(source)
+        require_known(wishes, source.names)
+    else:
+        gathered = gather(source, wishes, settings.image)
+        if gathered.image is not None and settings.window is not None:
+            raise _without_effect("window", "leave it out: labels are meshed as a whole")
+        sampled = sample_materials(gathered, settings, rest=rest)
     found = fulfil(sampled.fractions, gathered.wishes, name=name)
     absent = note_absent(found.mesh, sampled.fractions, found.thresholds)
     return MaterialsResult(
@@ -90,6 +98,7 @@ def mesh_several(
         found.thresholds,
         sampled.overlaps,
         (*gathered.remarks, *absent),
+        settings.quality.volume_tolerance,
     )
 
 

@@ -22,7 +22,7 @@ from tusqh.hashing import canonical_json
 from tusqh.meshes.measure_regions import RegionMeasurement
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.materials.certificate import make_certificate
-from tusqh.pipeline.materials.judge import ALL, judge_materials
+from tusqh.pipeline.materials.judge import ALL, compare_volumes, judge_materials
 from tusqh.quality.verdict import to_table
 from tusqh.quality.verification import VERIFICATION_COLUMNS
 from tusqh.tables import write_csv
@@ -54,6 +54,9 @@ class MaterialsResult:
         Volume of material j that the earlier material i took, shape (m, m); None for labels.
     remarks
         What was left out, changed or noted in the files, and materials without cells.
+    volume_tolerance
+        Largest relative difference between the volumes of a material in the mesh and in its
+        fractions that causes no warning.
     """
 
     built: MaterialMesh
@@ -61,6 +64,7 @@ class MaterialsResult:
     thresholds: dict[str, float]
     overlaps: FloatArray | None = None
     remarks: tuple[Remark, ...] = ()
+    volume_tolerance: float = 0.05
 
     @property
     def mesh(self) -> VolumeMesh:
@@ -122,7 +126,13 @@ class MaterialsResult:
     @cached_property
     def verdict(self) -> pd.DataFrame:
         """Every check of the mesh and of its materials, see `tusqh.quality.verdict.to_table`."""
-        return to_table(judge_materials(self.mesh, self._measured, self._predicted))
+        checks = judge_materials(self.mesh, self._measured, self._predicted)
+        return to_table([*checks, *compare_volumes(self.materials, self.volume_tolerance)])
+
+    @property
+    def has_warnings(self) -> bool:
+        """Whether a check that is only a warning fails."""
+        return bool((self.verdict["holds"] == "warning").any())
 
     @cached_property
     def verification(self) -> pd.DataFrame:
@@ -167,6 +177,7 @@ class MaterialsResult:
             "pairs": self.pairs.to_dict("records"),
             "contacts": self.built.n_contacts,
             "overruled": self.built.n_overruled,
+            "checks": self.verdict.to_dict("records"),
             "remarks": [str(remark) for remark in self.remarks],
         }
 

@@ -14,7 +14,7 @@ from tusqh.errors import ConfigError, GeometryError
 from tusqh.geometry.image import Image
 from tusqh.geometry.kinds import Surface
 from tusqh.grid import FloatArray
-from tusqh.pipeline.materials.gather import Gathered
+from tusqh.pipeline.materials.gather import Gathered, require_known
 from tusqh.sampling.lattice import Box
 from tusqh.sampling.layout import lay_grid
 from tusqh.sampling.memory import require_memory
@@ -111,14 +111,7 @@ def _sample_labels(
         names=names,
         void=None if 0 in names else 0,
     )
-    unknown = [m.name for m in gathered.wishes if m.name not in fractions.names]
-    if unknown:
-        raise ConfigError(
-            f"no material {', '.join(map(repr, unknown))}",
-            where="materials",
-            expected=f"one of {', '.join(fractions.names[:20])}",
-            remedy="correct the name, or give the `label` of the material",
-        )
+    require_known(gathered.wishes, fractions.names)
     return Sampled(fractions)
 
 
