@@ -92,6 +92,13 @@ class Original:
         ----------
         progress
             Shows how many samples have been taken.
+
+        Returns
+        -------
+        fractions
+            The volume fractions.
+        reference
+            The volume that the mesh should have.
         """
         fractions, reference = sample_with_reference(
             self.geometry,

@@ -74,10 +74,12 @@ def judge_alone(
 
     Parameters
     ----------
-    mesh, predicted, scheme
+    mesh, predicted
         See `judge_mesh`.
     skipped
         Why the checks by other programs are not run; empty: they have no rows.
+    scheme
+        See `judge_mesh`.
     """
     measured = mesh.measurement
     if not measured.is_sound:

@@ -126,6 +126,11 @@ def entries_of(section: type) -> tuple[Entry, ...]:
     ----------
     section
         The section.
+
+    Returns
+    -------
+    entries
+        One entry for each field.
     """
     if section in _ENTRIES:
         return _ENTRIES[section]
