@@ -47,7 +47,7 @@ def folder(tmp_path):
 
 def failed(folder):
     mesh_file = folder / "mesh.vtu"
-    checks = check_certificate(folder / FILE_NAME, mesh_file, read_vtu(mesh_file).measurement)
+    checks = check_certificate(folder / FILE_NAME, mesh_file, read_vtu(mesh_file))
     return [check.id for check in checks if not check.holds]
 
 

@@ -13,15 +13,18 @@ from pathlib import Path
 from typing import Any
 
 import jsonschema
+import numpy as np
 import pandas as pd
 
 from tusqh import __version__
 from tusqh.antialias.cells import CellSet, CellSets
 from tusqh.errors import MeshError
 from tusqh.hashing import hash_file
+from tusqh.local_topology.move import approach, changes_of
 from tusqh.meshes.checks import Check
 from tusqh.meshes.export import read_vtu
 from tusqh.meshes.measure import Measurement
+from tusqh.meshes.volume_mesh import GRID_CELL, INNER_CELL, VolumeMesh
 from tusqh.sampling.io import load_fractions
 from tusqh.settings.policy import Policy
 from tusqh.threshold.selection import Selection
@@ -41,6 +44,8 @@ _TITLES = {
     "predicted": "predicted Betti numbers",
     "contacts": "contacts from the fractions",
     "features": "removed and filled features from the fractions",
+    "changes": "cells that differ from the base, from the fractions",
+    "cells": "cells of the mesh that the fractions do not give, or lack",
     "checks": "checks of the mesh",
     "holds": "holds",
 }
@@ -91,6 +96,7 @@ def make_certificate(
         "contacts": of_cells["contacts"],
         "bridges": _to_records(cells.bridge_table),
         "features": of_cells["features"],
+        "changes": of_cells["changes"],
         "checks": of_mesh["checks"],
         "holds": True,
     }
@@ -98,7 +104,7 @@ def make_certificate(
     return certificate
 
 
-def check_certificate(path: Path, mesh_file: Path, measured: Measurement) -> list[Check]:
+def check_certificate(path: Path, mesh_file: Path, mesh: VolumeMesh) -> list[Check]:
     """Return the checks of a certificate's claims, recomputed from mesh and fractions.
 
     Parameters
@@ -107,15 +113,15 @@ def check_certificate(path: Path, mesh_file: Path, measured: Measurement) -> lis
         The certificate.
     mesh_file
         The mesh it should belong to.
-    measured
-        The measurement of that mesh, as read.
+    mesh
+        That mesh, as read.
 
     Raises
     ------
     MeshError
         The certificate cannot be read or does not follow the schema.
     """
-    stored = read_certificate(path)
+    stored, measured = read_certificate(path), mesh.measurement
     claimed = _claims_in(stored)
     recomputed = {
         "mesh": hash_file(mesh_file),
@@ -125,13 +131,14 @@ def check_certificate(path: Path, mesh_file: Path, measured: Measurement) -> lis
     }
     fractions_file = path.parent / stored["fractions"]["file"]
     if fractions_file.is_file():
-        policy = Policy.from_dict(stored["selection"]["policy"])
-        cell_sets = CellSets(load_fractions(fractions_file), policy)
-        threshold = stored["selection"]["threshold"]
-        raw = cell_sets.topology.betti_at(threshold)
+        chosen = stored["selection"]
+        cell_sets = CellSets(load_fractions(fractions_file), Policy.from_dict(chosen["policy"]))
+        raw = cell_sets.topology.betti_at(chosen["threshold"])
+        cells = approach(cell_sets, chosen["base"]).at(chosen["threshold"])
         recomputed |= {
             "fractions": hash_file(fractions_file),
-            **_claim_of_cells(cell_sets.at(threshold), raw),
+            **_claim_of_cells(cells, raw),
+            "cells": _count_other_cells(mesh, cells),
         }
     return [_compare(key, found, claimed[key]) for key, found in recomputed.items()]
 
@@ -190,7 +197,14 @@ def _claim_of_cells(cells: CellSet, raw: BettiNumbers) -> dict[str, Any]:
             "overruled": cells.n_overruled,
         },
         "features": _to_records(cells.features),
+        "changes": _to_records(changes_of(cells)),
     }
+
+
+def _count_other_cells(mesh: VolumeMesh, cells: CellSet) -> int:
+    """Return the number of grid cells kept either in the mesh or by its fractions, not by both."""
+    is_body = np.isin(mesh.kind, (GRID_CELL, INNER_CELL))
+    return len(np.setxor1d(mesh.grid_cell[is_body], np.flatnonzero(cells.kept)))
 
 
 def _claims_in(stored: Mapping[str, Any]) -> dict[str, Any]:
@@ -200,14 +214,15 @@ def _claims_in(stored: Mapping[str, Any]) -> dict[str, Any]:
         **stored["predicted"],
         **stored["measured"],
         "predicted": stored["predicted"]["effective"],
-        **{key: stored[key] for key in ("contacts", "features", "checks", "holds")},
+        "cells": 0,
+        **{key: stored[key] for key in ("contacts", "features", "changes", "checks", "holds")},
     }
 
 
 def _compare(key: str, found: Any, claimed: Any) -> Check:
     """Return the check of one claim; it shortens digests and shows tables by their row counts."""
     is_digest = key in ("mesh", "fractions")
-    is_table = key in ("checks", "features")
+    is_table = key in ("checks", "features", "changes")
     shown = [
         value[:12] if is_digest else f"{len(value)} rows" if is_table else value
         for value in (found, claimed)

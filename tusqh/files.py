@@ -172,6 +172,12 @@ _MESH_TO_VERDICT = (
         _columns("kind edges length cells_a cells_b x_a y_a x_b y_b status"),
     ),
     ResultFile(
+        "changes",
+        "changes.csv",
+        "with local scope: the cells that differ from those of the base, in groups",
+        _columns("change cells volume smallest_fraction largest_fraction x y z"),
+    ),
+    ResultFile(
         "certificate",
         "certificate.json",
         "the wanted, predicted and measured topology, with digests; `tusqh check` recomputes it",

@@ -22,6 +22,7 @@ VALUES = {
     **{"tolerance": "1e-3", "window": "0,0,1,1", "voxel_size": "2", "empty": "1", "full": "2"},
     **{"labels": "1", "channel": "0", "threshold": "0.25", "betti": "1,0", "persistence": "0.1"},
     **{"volume": True, "bridges": "none", "volume_tolerance": "0.1"},
+    **{"scope": "local", "base": "0.25"},
     "checks": True,
     **{
         prefix + name: value
@@ -35,10 +36,11 @@ VALUES = {
 IMAGES = {"voxel_size", "empty", "full", "labels", "channel"}
 SAMPLING = {"samples", "rule", "orientation", "sampler", "tolerance"}
 HOLES, VOIDS = ({name for name in VALUES if name.startswith(p)} for p in ("holes_", "voids_"))
+LOCAL = {"scope", "base"}  # They need a target or a persistence.
 WITHOUT_EFFECT = {
-    "outline": IMAGES | VOIDS,
-    "surface": IMAGES | HOLES | {"bridges"},
-    "image": SAMPLING | HOLES | {"bridges"},
+    "outline": IMAGES | VOIDS | LOCAL,
+    "surface": IMAGES | HOLES | LOCAL | {"bridges"},
+    "image": SAMPLING | HOLES | LOCAL | {"bridges"},
 }
 
 
@@ -109,6 +111,14 @@ def test_a_setting_that_needs_another_one_is_named_with_it():
     assert list(find_without_effect(settings, "surface")) == [
         "`tolerance` applies only with `sampler: crossings`"
     ]
+
+
+def test_the_local_scope_needs_a_wish_for_a_topology():
+    settings = Settings.from_dict({"threshold": 0.4, "scope": "local"})
+    (sentence,) = find_without_effect(settings, "surface")
+    assert sentence == "`scope` applies only with `target` or `persistence`"
+    settings = Settings.from_dict({"target": {"betti_0": 1}, "scope": "local", "base": "match"})
+    assert list(find_without_effect(settings, "surface")) == []
 
 
 def test_the_panels_of_a_model_apply_to_outlines():

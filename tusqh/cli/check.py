@@ -68,7 +68,7 @@ def _check_single(
     expected = mesh.measurement.by_euler
     if certificate.is_file():
         expected = read_predicted(certificate)
-        claims += check_certificate(certificate, path, mesh.measurement)
+        claims += check_certificate(certificate, path, mesh)
         claims += recheck(certificate, mesh)
     checks: Literal["all"] | None = "all" if all_checks else None
     return judge(mesh, expected, comparison=claims, checks=checks).verdict

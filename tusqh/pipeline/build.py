@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import Resolved, build_mesh, describe_mesh
@@ -15,6 +16,7 @@ from tusqh.atomic import write_text
 from tusqh.certificate import make_certificate
 from tusqh.errors import TopologyError
 from tusqh.hashing import canonical_json
+from tusqh.local_topology.move import LocalCells, approach, changes_of
 from tusqh.meshes.checks import Check
 from tusqh.meshes.export import write_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
@@ -60,6 +62,7 @@ class Built:
             "threshold": self.selection.threshold,
             "margin": self.selection.margin,
             **describe_mesh(self.resolved, self.fractions),
+            **self._local_facts,
             **self._reference_facts,
             **self._placement,
             "comparison": [asdict(check) for check in self.comparison],
@@ -76,6 +79,25 @@ class Built:
         return {} if placement is None else {"placement": placement.to_dict()}
 
     @property
+    def changes(self) -> pd.DataFrame:
+        """The cells that differ from the base, in groups; without a base there are no rows."""
+        return changes_of(self.resolved.cells)
+
+    @property
+    def _local_facts(self) -> dict[str, Any]:
+        cells = self.resolved.cells
+        if not isinstance(cells, LocalCells):
+            return {}
+        return {
+            "base": cells.base,
+            "changed_cells": cells.n_changes,
+            "changed_groups": len(cells.changes),
+            "changed_volume": cells.changes["volume"].sum(),
+            "changed_contacts": cells.n_other_contacts,
+            "held_cells": cells.n_held,
+        }
+
+    @property
     def _reference_facts(self) -> dict[str, Any]:
         if self.reference is None:
             return {}
@@ -87,6 +109,8 @@ class Built:
     def write_mesh(self, path: Path) -> None:
         """Write the mesh as VTU, with the volume fraction of the cell in which each element lies.
 
+        With the local scope, the cell data `change` is 1 in cells that were added to the base.
+
         Parameters
         ----------
         path
@@ -94,7 +118,12 @@ class Built:
         """
         cell = self.mesh.grid_cell
         in_cell = np.where(cell >= 0, self.fractions.cells.ravel()[cell], 0.0)
-        write_vtu(path, self.mesh, cell_data={"volume_fraction": in_cell})
+        data = {"volume_fraction": in_cell}
+        cells = self.resolved.cells
+        if isinstance(cells, LocalCells):
+            is_added = (cells.kept & ~cells.in_base).ravel()
+            data["change"] = np.where(cell >= 0, is_added[cell], False).astype(np.float64)
+        write_vtu(path, self.mesh, cell_data=data)
 
     def write(
         self,
@@ -104,6 +133,7 @@ class Built:
         certificate: Path,
         features: Path,
         bridges: Path,
+        changes: Path,
         facts: Path,
     ) -> None:
         """Write the mesh, its certificate and its tables.
@@ -112,7 +142,7 @@ class Built:
         ----------
         fractions
             The existing file of fractions in the folder of the mesh; the certificate names it.
-        mesh, certificate, features, bridges, facts
+        mesh, certificate, features, bridges, changes, facts
             Files to write; the certificate measures the written mesh.
 
         Raises
@@ -129,6 +159,7 @@ class Built:
         claim["warnings"] = to_warnings(self.comparison)
         write_csv(features, cells.features)
         write_csv(bridges, cells.bridge_table)
+        write_csv(changes, self.changes)
         write_text(certificate, canonical_json(claim))
         write_text(facts, canonical_json(self.facts))
 
@@ -159,7 +190,8 @@ def build(
     """
     resolved = selection.resolved
     if resolved is None or resolved.mesh.name != name:
-        cells = selection.cells or CellSets(fractions, selection.policy).at(selection.threshold)
+        cell_sets = approach(CellSets(fractions, selection.policy), selection.base)
+        cells = selection.cells or cell_sets.at(selection.threshold)
         resolved = build_mesh(cells, fractions.grid, name=name)
     if original is None:
         return Built(selection, fractions, resolved)

@@ -23,6 +23,7 @@ from tusqh.pipeline.unused_settings import note_unused_settings
 from tusqh.progress import Progress, log_progress
 from tusqh.sampling.orient import orient
 from tusqh.settings.arguments import arguments_of, explains_unknown_arguments, from_arguments
+from tusqh.settings.goal import Base, Scope
 from tusqh.settings.grid import Place
 from tusqh.settings.materials import Materials
 from tusqh.settings.model import Settings
@@ -46,6 +47,8 @@ def mesh(
     threshold: float | None = None,
     persistence: float | None = None,
     volume: Literal["match"] | None = None,
+    scope: Scope = "global",
+    base: Base = 0.5,
     window: Sequence[Sequence[float]] | None = None,
     domain: Domain = "inside",
     samples: int = 4,
@@ -90,6 +93,12 @@ def mesh(
     volume
         ``"match"`` chooses the threshold whose mesh best matches the volume of the geometry; with
         `betti` or `persistence`, among the thresholds that meet that request.
+    scope
+        With `betti` or `persistence`: ``"local"`` keeps the cells of the threshold `base` and adds
+        or leaves out only those that the topology needs.
+    base
+        With ``scope="local"``: that threshold, or ``"match"`` for the one whose cells have the
+        volume of the geometry.
     window
         Lowest and highest corner of the box to mesh in; the bounding box by default.
     domain

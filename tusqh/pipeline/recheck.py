@@ -12,6 +12,7 @@ from tusqh.antialias.resolve import Resolved
 from tusqh.certificate import read_certificate
 from tusqh.files import path_of
 from tusqh.geometry.canonical import load_geometry
+from tusqh.local_topology.move import approach
 from tusqh.meshes.checks import Check
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.original import Original, to_warnings
@@ -53,8 +54,9 @@ def recheck(path: Path, mesh: VolumeMesh) -> list[Check]:
     checks = [_fractions(fractions, sampled, original.sampling.tolerance)]
     if fractions.placement is not None or "placement" in stored:
         checks.append(_equal("placement", "grid", _placement(sampled), stored.get("placement")))
-    cells = CellSets(fractions, Policy.from_dict(stored["selection"]["policy"]))
-    resolved = Resolved(mesh, cells.at(stored["selection"]["threshold"]))
+    chosen = stored["selection"]
+    cells = approach(CellSets(fractions, Policy.from_dict(chosen["policy"])), chosen["base"])
+    resolved = Resolved(mesh, cells.at(chosen["threshold"]))
     comparison = original.compare(resolved, fractions, original.reference(fractions))
     warnings = to_warnings(comparison)
     return [*checks, _equal("warnings", "warnings", warnings, stored["warnings"]), *comparison]

@@ -102,11 +102,22 @@ class Report:
             "mesh": f"{facts['elements']:,} {'hexes' if facts['dimension'] == 3 else 'quads'} of "
             f"{facts['grid']} cells, {describe_contacts(facts)}, "
             f"volume {compare_volumes(facts)}",
+            **self._changes(),
             **self._placement(),
             "verdict": str(Judgement(self.elements, self.verdict)),
             **self._not_run(),
         }
         return lines_of_reading(self.reading) | of_mesh | self._warnings() | self._remarks()
+
+    def _changes(self) -> dict[str, str]:
+        """Return a line on the cells that the topology costs, with the local scope."""
+        facts = self.facts
+        if "base" not in facts:
+            return {}
+        return {
+            "changes": f"{facts['changed_cells']:,} cells in {facts['changed_groups']:,} groups "
+            f"differ from those of the threshold {facts['base']:.6g}"
+        }
 
     def _placement(self) -> dict[str, str]:
         """Return a line on the placement of the grid, if the program chose it."""
@@ -273,5 +284,5 @@ class Result:
             write_csv(path_of(name, folder), table)
         write_text(path_of("reading", folder), canonical_json(self.reading))
         write_text(path_of("selection", folder), canonical_json(self.selection.to_dict()))
-        written = ("fractions", "mesh", "certificate", "features", "bridges", "facts")
+        written = ("fractions", "mesh", "certificate", "features", "bridges", "changes", "facts")
         self.built.write(**{name: path_of(name, folder) for name in written})

@@ -53,3 +53,5 @@ def _find(settings: Section, kind: str, *, prefix: str, kinds: tuple[str, ...]) 
         elif needed:
             needs = " and ".join(f"`{key}: {wish}`" for key, wish in needed.items())
             yield f"`{name}` applies only with {needs}"
+        elif about.needs_one_of and all(getattr(settings, k) is None for k in about.needs_one_of):
+            yield f"`{name}` applies only with {' or '.join(f'`{k}`' for k in about.needs_one_of)}"

@@ -49,6 +49,8 @@ class Setting:
         Kinds of geometry ("outline", "surface", "image") for which it has an effect; empty: all.
     needs
         Values of neighbours without which it has no effect.
+    needs_one_of
+        Neighbours without any of which it has no effect.
     """
 
     sentence: str
@@ -65,6 +67,7 @@ class Setting:
     metavar: str = ""
     kinds: tuple[str, ...] = ()
     needs: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    needs_one_of: tuple[str, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True)

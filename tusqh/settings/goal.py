@@ -27,6 +27,11 @@ class Range(Section):
 #: A number, a list of numbers, or a range.
 Wanted = int | tuple[int, ...] | Range
 
+Scope = Literal["global", "local"]
+
+#: The base of the local scope: a threshold, or the one with the volume of the geometry.
+Base = float | Literal["match"]
+
 
 @dataclass(frozen=True)
 class Target(Section):
@@ -152,6 +157,22 @@ class Goal(Section):
         "Instead of a threshold: `match` takes the threshold whose mesh has the volume nearest to "
         "that of the geometry; with `target` or `persistence`, among the thresholds that give it.",
         default=None,
+    )
+    scope: Scope = setting(
+        "With `target` or `persistence`: `global` keeps the cells of the threshold that gives the "
+        "topology; `local` keeps those of the threshold `base`, and adds and leaves out only the "
+        "cells that the topology needs; each change is a row in `changes.csv`.",
+        default="global",
+        needs_one_of=("target", "persistence"),
+    )
+    base: Base = setting(
+        "The threshold whose cells the local scope keeps where it can; `match` takes the one whose "
+        "cells have the volume nearest to that of the geometry.",
+        default=0.5,
+        above=0,
+        at_most=1,
+        needs={"scope": "local"},
+        metavar="T",
     )
 
 

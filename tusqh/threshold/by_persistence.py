@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from tusqh.antialias.cells import CellSets
+from tusqh.local_topology.move import approach
 from tusqh.settings.policy import Policy
 from tusqh.threshold.by_volume import choose_by_volume
 from tusqh.threshold.candidates import CHOSEN, DISAGREES, list_plateaus, rank_candidates, try_cells
@@ -24,7 +25,12 @@ REMOVAL_TRIALS = 10
 
 
 def choose_by_persistence(
-    plateaus: Plateaus, persistence: float, *, matches_volume: bool = False, name: str
+    plateaus: Plateaus,
+    persistence: float,
+    *,
+    matches_volume: bool = False,
+    base: float | None = None,
+    name: str,
 ) -> tuple[Selection, pd.DataFrame]:
     """Return a threshold at which only long-lived features remain.
 
@@ -40,6 +46,9 @@ def choose_by_persistence(
     matches_volume
         Whether to choose, among all thresholds without short-lived features, the one whose mesh has
         the volume nearest to that of the geometry.
+    base
+        The threshold whose cells are kept except where the topology needs others, see
+        `tusqh.local_topology.move`; None: the chosen threshold keeps its own cells.
     name
         The model, for messages.
 
@@ -63,24 +72,24 @@ def choose_by_persistence(
     if matches_volume:
         if not is_free.any():
             raise no_threshold_alone(wanted, name)
-        return choose_by_volume(plateaus, is_free, also=wanted, name=name)
-    chosen = _without_short_features(plateaus, is_free, wanted, name)
+        return choose_by_volume(plateaus, is_free, also=wanted, base=base, name=name)
+    chosen = _without_short_features(plateaus, is_free, wanted, base, name)
     if chosen is not None:
         return chosen
     counted = plateaus.table.assign(n_short=short.sum(axis=1), n_short_holes=short[:, 1])
     counted[[f"long_{betti}" for betti in BETTI]] = long
-    chosen = _by_removing_them(plateaus, counted, persistence, wanted, name)
+    chosen = _by_removing_them(plateaus, counted, persistence, wanted, base, name)
     if chosen is None:
         raise unreachable_persistence(plateaus.table, wanted, name)
     return chosen
 
 
 def _without_short_features(
-    plateaus: Plateaus, is_free: np.ndarray, wanted: str, name: str
+    plateaus: Plateaus, is_free: np.ndarray, wanted: str, base: float | None, name: str
 ) -> tuple[Selection, pd.DataFrame] | None:
     """Return the choice of a threshold without short-lived features."""
     candidates = rank_candidates(plateaus.table, pd.Series(is_free))
-    found = find_first_verified(plateaus.cell_sets, candidates, name=name)
+    found = find_first_verified(approach(plateaus.cell_sets, base), candidates, name=name)
     if found is None:
         return None
     row, trial = found
@@ -97,13 +106,18 @@ def _without_short_features(
 
 
 def _by_removing_them(
-    plateaus: Plateaus, counted: pd.DataFrame, persistence: float, wanted: str, name: str
+    plateaus: Plateaus,
+    counted: pd.DataFrame,
+    persistence: float,
+    wanted: str,
+    base: float | None,
+    name: str,
 ) -> tuple[Selection, pd.DataFrame] | None:
     """Return the choice of a threshold at which exactly the short-lived features are removed."""
     cell_sets = plateaus.cell_sets
     in_plane = cell_sets.fractions.grid.dim == 2
     policy = _removing_policy(cell_sets.policy, persistence, in_plane=in_plane)
-    cut_sets = CellSets(cell_sets.fractions, policy, topology=cell_sets.topology)
+    cut_sets = approach(CellSets(cell_sets.fractions, policy, topology=cell_sets.topology), base)
     # Holes in 3D cannot be filled, so none of them may be short-lived.
     is_usable = (counted["cells"] > 0) & (in_plane | (counted["n_short_holes"] == 0))
     tried = counted[is_usable].sort_values(["n_short", "width"], ascending=[True, False])

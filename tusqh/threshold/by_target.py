@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
+from tusqh.local_topology.move import approach
 from tusqh.settings.goal import Target
 from tusqh.threshold.by_volume import choose_by_volume
 from tusqh.threshold.candidates import rank_candidates
@@ -17,7 +18,12 @@ from tusqh.threshold.within_interval import describe_place
 
 
 def choose_by_target(
-    plateaus: Plateaus, target: Target, *, matches_volume: bool = False, name: str
+    plateaus: Plateaus,
+    target: Target,
+    *,
+    matches_volume: bool = False,
+    base: float | None = None,
+    name: str,
 ) -> tuple[Selection, pd.DataFrame]:
     """Return the first interval with the target Betti numbers whose measured mesh confirms them.
 
@@ -33,6 +39,9 @@ def choose_by_target(
     matches_volume
         Whether to choose, among all thresholds with these Betti numbers, the one whose mesh has the
         volume nearest to that of the geometry.
+    base
+        The threshold whose cells are kept except where the topology needs others, see
+        `tusqh.local_topology.move`; None: the chosen threshold keeps its own cells.
     name
         The model, for messages.
 
@@ -51,9 +60,9 @@ def choose_by_target(
     if not (is_wanted & (predicted["cells"] > 0)).any():
         raise unreachable_target(predicted, target, name)
     if matches_volume:
-        return choose_by_volume(plateaus, is_wanted, also=str(target), name=name)
+        return choose_by_volume(plateaus, is_wanted, also=str(target), base=base, name=name)
     candidates = rank_candidates(predicted, pd.Series(is_wanted))
-    found = find_first_verified(plateaus.cell_sets, candidates, name=name)
+    found = find_first_verified(approach(plateaus.cell_sets, base), candidates, name=name)
     if found is None:
         raise unreachable_target(predicted, target, name)
     row, trial = found

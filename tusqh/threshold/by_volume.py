@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from tusqh.grid import BoolArray
+from tusqh.local_topology.move import approach
 from tusqh.threshold.candidates import CHOSEN, DISAGREES, Trial, list_plateaus, try_cells
 from tusqh.threshold.describe_choice import describe_choice, find_interval_around
 from tusqh.threshold.errors import no_mesh_as_predicted, nothing_kept, unknown_volume
@@ -23,6 +24,7 @@ def choose_by_volume(
     is_wanted: BoolArray | None = None,
     *,
     also: str = "",
+    base: float | None = None,
     name: str,
 ) -> tuple[Selection, pd.DataFrame]:
     """Return the threshold whose mesh has the volume nearest to that of the geometry.
@@ -35,6 +37,9 @@ def choose_by_volume(
         Which plateaus also meet the rest of the request; None: all.
     also
         The rest of the request, in words.
+    base
+        The threshold whose cells are kept except where the topology needs others, see
+        `tusqh.local_topology.move`; None: the chosen threshold keeps its own cells.
     name
         The model, for messages.
 
@@ -49,7 +54,8 @@ def choose_by_volume(
         The volume of the geometry is unknown, no threshold keeps a cell, or no mesh measures as
         predicted.
     """
-    predicted, cell_sets, wanted = plateaus.table, plateaus.cell_sets, plateaus.reference.volume
+    predicted, wanted = plateaus.table, plateaus.reference.volume
+    cell_sets = approach(plateaus.cell_sets, base)
     if wanted <= 0:
         raise unknown_volume(name)
     is_usable = (predicted["cells"] > 0).to_numpy()

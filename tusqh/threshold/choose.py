@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import pandas as pd
 
+from tusqh.local_topology.base import find_base
 from tusqh.settings.goal import Goal
 from tusqh.threshold.by_persistence import choose_by_persistence
 from tusqh.threshold.by_target import choose_by_target
 from tusqh.threshold.by_threshold import take_threshold
 from tusqh.threshold.by_volume import choose_by_volume
+from tusqh.threshold.errors import unknown_volume
 from tusqh.threshold.plateaus import Plateaus
 from tusqh.threshold.selection import Selection
 
@@ -47,12 +49,32 @@ def choose_threshold(
     goal = goal or Goal()
     matches_volume = goal.volume is not None
     if goal.target is not None:
-        return choose_by_target(plateaus, goal.target, matches_volume=matches_volume, name=name)
+        return choose_by_target(
+            plateaus,
+            goal.target,
+            matches_volume=matches_volume,
+            base=_find_base(plateaus, goal, name),
+            name=name,
+        )
     if goal.persistence is not None:
         return choose_by_persistence(
-            plateaus, goal.persistence, matches_volume=matches_volume, name=name
+            plateaus,
+            goal.persistence,
+            matches_volume=matches_volume,
+            base=_find_base(plateaus, goal, name),
+            name=name,
         )
     if matches_volume:
         return choose_by_volume(plateaus, name=name)
     assert goal.threshold is not None  # `Goal` fills it in.
     return take_threshold(plateaus, goal.threshold, name=name)
+
+
+def _find_base(plateaus: Plateaus, goal: Goal, name: str) -> float | None:
+    """Return the threshold of the base, None for the global scope."""
+    if goal.scope == "global":
+        return None
+    volume = plateaus.reference.volume
+    if goal.base == "match" and volume <= 0:
+        raise unknown_volume(name, wish="`base: match`")
+    return find_base(plateaus.cell_sets.fractions, goal.base, volume=volume)

@@ -10,6 +10,7 @@ import pandas as pd
 
 from tusqh.antialias.cells import CellSet, CellSets
 from tusqh.antialias.resolve import Resolved
+from tusqh.local_topology.move import LocalCells
 from tusqh.settings.goal import Target
 from tusqh.settings.policy import Policy
 from tusqh.threshold.candidates import rank_candidates
@@ -51,6 +52,7 @@ def describe_choice(
         The mesh, if one was made.
     """
     threshold = float(row["threshold"])
+    base = cells.base if isinstance(cells, LocalCells) else None
     cells_lower, cells_upper = same_cells_around(plateaus.cell_sets, threshold)
     return Selection(
         threshold=threshold,
@@ -59,7 +61,7 @@ def describe_choice(
         wanted=wanted,
         raw=plateaus.cell_sets.topology.betti_at(threshold),
         predicted=cells.predicted,
-        reason=reason,
+        reason=reason if base is None else f"as the seed for local changes: {reason}",
         policy=policy or plateaus.cell_sets.policy,
         find_interval=find_interval or partial(_interval_of, row),
         find_without_features=(
@@ -67,6 +69,7 @@ def describe_choice(
             if len(cells.features)
             else str
         ),
+        base=base,
         cells=cells,
         resolved=resolved,
     )

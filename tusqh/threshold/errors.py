@@ -121,16 +121,18 @@ def nothing_kept(cell_sets: CellSets, threshold: float, name: str) -> TopologyEr
     )
 
 
-def unknown_volume(name: str) -> TopologyError:
+def unknown_volume(name: str, *, wish: str = "`--match-volume`") -> TopologyError:
     """Return the error for matching a volume that is unknown.
 
     Parameters
     ----------
     name
         The model.
+    wish
+        The setting that needs the volume.
     """
     return TopologyError(
-        "`--match-volume` of a geometry that encloses nothing",
+        f"{wish} of a geometry that encloses nothing",
         where=name,
         expected="a geometry with a volume",
         remedy="close the surface, use `--orientation flip` if its parts are inside out, or give a "

@@ -56,6 +56,9 @@ class Selection:
         Why the threshold was chosen, in one sentence.
     policy
         How small features were treated, which may differ from the settings.
+    base
+        The threshold whose cells were kept except where the topology needs others; None if the
+        cells are those of `threshold`.
     find_interval, find_without_features
         Functions that compute `interval` and `without_features`.
     cells
@@ -76,6 +79,7 @@ class Selection:
     find_without_features: Callable[[], str] = dataclasses.field(
         default=str, compare=False, repr=False
     )
+    base: float | None = None
     cells: CellSet | None = dataclasses.field(default=None, compare=False, repr=False)
     resolved: Resolved | None = dataclasses.field(default=None, compare=False, repr=False)
 
@@ -107,6 +111,7 @@ class Selection:
         """Return the selection as plain values for JSON, without the mesh."""
         return {
             "threshold": self.threshold,
+            "base": self.base,
             **self.interval._asdict(),
             "cells_lower": self.cells_lower,
             "cells_upper": self.cells_upper,

@@ -3,7 +3,7 @@ rule mesh:
         **files("geometry", "fractions", "selection"),
     output:
         **files("mesh", "facts"),
-        **shown("features", "bridges", "certificate"),
+        **shown("features", "bridges", "changes", "certificate"),
     params:
         grid=settings_of("grid"),
         window=settings_of("window"),

@@ -7,7 +7,7 @@ from tusqh.pipeline.original import Original
 from tusqh.sampling.io import load_fractions
 from tusqh.threshold.selection import load_selection
 
-WRITTEN = ("mesh", "certificate", "features", "bridges", "facts")
+WRITTEN = ("mesh", "certificate", "features", "bridges", "changes", "facts")
 
 with recorded(snakemake) as log:
     fractions = Path(snakemake.input.fractions)

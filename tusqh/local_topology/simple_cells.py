@@ -1,0 +1,107 @@
+"""Add and remove simple cells, which change nothing about the topology, in compiled code.
+
+A cell is *simple* if the neighbours of its link that are present form a contractible set.  On a
+sphere (in the plane, on a circle) this means that they are not none and connected, and so are the
+neighbours that are absent.  Which ones are present:
+
+* a cell across a face, if it is kept;
+* an edge or vertex that is pinched with or without the cell, if it votes to connect;
+* any other edge or vertex, if another kept cell touches it.  Its own link is contractible with and
+  without the cell, so the choice does not matter except where only this cell touches it.
+"""
+
+from __future__ import annotations
+
+import heapq
+
+import numba
+import numpy as np
+
+
+@numba.njit(cache=True)
+def is_simple(cell, place, kept, votes, link):  # type: ignore[no-untyped-def]
+    """Return whether a cell can be added or removed without a change of topology.
+
+    Parameters
+    ----------
+    cell, place
+        Flat index of the cell, and of its place on the doubled grid.
+    kept
+        Kept cells, flat, with a layer of empty cells around them.
+    votes
+        Which edges and vertices vote to connect, on the doubled grid of these cells, flat.
+    link
+        See `tusqh.local_topology.link.Link`.
+    """
+    present = 0
+    for i in range(len(link.cell)):
+        k, others = link.codimension[i], 0
+        for b in range(1 << k):
+            if b != link.own[i] and kept[cell + link.around[i, b]]:
+                others |= 1 << b
+        if link.is_pinched[k, others] or link.is_pinched[k, others | 1 << link.own[i]]:
+            is_present = votes[place + link.place[i]]
+        else:
+            is_present = others != 0
+        if is_present:
+            present |= 1 << i
+    every = (1 << len(link.cell)) - 1
+    return _is_one_piece(present, link.joined) and _is_one_piece(every & ~present, link.joined)
+
+
+@numba.njit(cache=True)
+def _is_one_piece(chosen, joined):  # type: ignore[no-untyped-def]
+    """Return whether a set of neighbours is connected and not empty."""
+    reached = chosen & -chosen
+    if reached == 0:
+        return False
+    while True:
+        grown = reached
+        for i in range(len(joined)):
+            if reached >> i & 1:
+                grown |= joined[i]
+        grown &= chosen
+        if grown == reached:
+            return reached == chosen
+        reached = grown
+
+
+@numba.njit(cache=True)
+def change_simple(cells, places, kept, votes, link):  # type: ignore[no-untyped-def]
+    """Add or remove cells while they are simple, in place, until none of those left is.
+
+    Of the cells that are simple, the first in the given order is changed next.
+
+    Parameters
+    ----------
+    cells
+        Flat indices of the cells to change, first the most urgent, shape (r,), int64.
+    places
+        Their places on the doubled grid, shape (r,), int64.
+    kept, votes, link
+        See `is_simple`; `kept` changes.
+
+    Returns
+    -------
+    is_changed
+        Which of the cells were changed, shape (r,).
+    """
+    n = len(cells)
+    is_changed, is_queued = np.zeros(n, dtype=np.bool_), np.ones(n, dtype=np.bool_)
+    rank = np.full(len(kept), -1, dtype=np.int64)
+    rank[cells] = np.arange(n)
+    queue = list(np.arange(n))  # An ascending list is a heap.
+    while len(queue):
+        r = heapq.heappop(queue)
+        is_queued[r] = False
+        if not is_simple(cells[r], places[r], kept, votes, link):
+            continue
+        kept[cells[r]] = not kept[cells[r]]
+        is_changed[r] = True
+        # The cell is in the link of all its neighbours, which may have become simple.
+        for step in link.cell:
+            other = rank[cells[r] + step]
+            if other >= 0 and not is_changed[other] and not is_queued[other]:
+                is_queued[other] = True
+                heapq.heappush(queue, other)
+    return is_changed
