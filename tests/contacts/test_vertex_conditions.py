@@ -34,6 +34,7 @@ def judge_sticks(labels, sticks, ball, *, tables=TABLES):
     n = len(labels)
     field = Field(
         labels=np.zeros(n * N_BLOCK, dtype=np.int32),
+        inside=np.ones(n * N_BLOCK, dtype=bool),
         ball=np.full(n * N_BLOCK, -1, dtype=np.int32),
         is_pinched=np.zeros((3, n * N_BLOCK), dtype=bool),
         marked=np.zeros(n * N_BLOCK, dtype=bool),

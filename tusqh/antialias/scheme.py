@@ -43,6 +43,7 @@ class Scheme:
         return scaled_jacobian >= self.bounds[dim] - _ROUNDING
 
 
-#: The bounds come from the trapezoids of the 1-5 template on square cells and the frusta of the
-#: 1-7 template on cubic cells (paper: Anti-aliasing).
-PINCH_TEMPLATES = Scheme("pinch templates", {2: math.sqrt(2) / 2, 3: 1 / math.sqrt(3)})
+#: The bounds come from the trapezoids of the 1-5 template on square cells, and from the balls on
+#: the sides of the grid on cubic cells; no other element in space is below the frusta of the 1-7
+#: template, which have 1 / sqrt(3) (paper: Anti-aliasing).
+PINCH_TEMPLATES = Scheme("pinch templates", {2: math.sqrt(2) / 2, 3: 0.39})

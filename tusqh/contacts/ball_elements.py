@@ -19,16 +19,29 @@ import numpy as np
 
 from tusqh.contacts.emitter import Emitter
 from tusqh.contacts.octants import BITS, octants
+from tusqh.contacts.side_balls import (
+    BESIDE,
+    CENTRE,
+    N_POINTS,
+    OF_KITE,
+    OF_OCTANT,
+    Slots,
+    Split,
+    kite_between,
+    octant_of,
+    place_on_sides,
+    split_at_balls,
+)
 from tusqh.contacts.stick_field import Field
-from tusqh.grid import FloatArray, IntArray
+from tusqh.grid import BoolArray, FloatArray, IntArray
 
 #: Positions of the points of a ball, from the vertex, in cells, found by optimisation; on cubic
 #: cells the scaled Jacobian of the elements is at least 0.59.  Points on the edges to inner cells
 #: and in faces, along each axis.
 _TO_CELL, _IN_FACE = 0.15, 0.25
 #: Points on the grid edge, beside it in the two cells (along and across the edge), and beside it
-#: in the face (likewise), for an edge with a ball at one end, at both seen from the lower end, and
-#: at both seen from the upper end.
+#: in the face (likewise), for an edge with a ball at one end, at both seen from the first end, and
+#: at both seen from the second end; the coordinate of the first end is even.
 _ALONG = np.array(
     [
         [0.50, 0.50, 0.06, 0.48, 0.11],
@@ -36,9 +49,6 @@ _ALONG = np.array(
         [0.27, 0.31, 0.07, 0.34, 0.11],
     ]
 )
-#: First number of the points of a ball that belong to octants, to kites, to pairs of a half-edge
-#: and an octant, and to pairs of a half-edge and a kite; and how many there are.
-_OF_OCTANT, _OF_KITE, _BESIDE, _CENTRE, _N_POINTS = 6, 14, 26, 74, 146
 
 
 class RingEnd(NamedTuple):
@@ -73,11 +83,9 @@ def ring_end(quad: IntArray, corner: IntArray, along: int, axis: int) -> RingEnd
     along, axis
         Axis along which the rings run, and the normal of the faces.
     """
-    up = 1 - np.asarray(corner, dtype=np.int64)
-    below = int((up * (np.arange(3) != axis)) @ (1 << np.arange(3)))
-    kites = octants().kites[:, :2].tolist()
-    above = below | 1 << axis
-    return RingEnd(quad, 2 * along + int(up[along]), kites.index([below, above]), below, above)
+    below = octant_of(corner) & ~(1 << axis)
+    half_edge = 2 * along + 1 - int(corner[along])
+    return RingEnd(quad, half_edge, kite_between(below, axis), below, below | 1 << axis)
 
 
 class Balls:
@@ -93,23 +101,51 @@ class Balls:
 
     def __init__(self, emitter: Emitter, field: Field) -> None:
         self.has_ball = field.has_ball
+        self._shape = emitter.vertex_shape
         vertices = np.flatnonzero(field.has_ball)
         # A ball at a vertex that is not pinched may have any of the materials there.
         self.material = np.where(field.ball < 0, field.labels, field.ball)
         self._row = np.full(len(field.has_ball), -1, dtype=np.int64)
         self._row[vertices] = np.arange(len(vertices))
         place = np.stack(np.unravel_index(vertices, emitter.vertex_shape), axis=1)
-        points = np.repeat(place[:, None].astype(float), _N_POINTS, axis=1)
-        points[:, _OF_OCTANT:_OF_KITE] += _TO_CELL * (2 * BITS - 1)
+        points = np.repeat(place[:, None].astype(float), N_POINTS, axis=1)
+        points[:, OF_OCTANT:OF_KITE] += _TO_CELL * (2 * BITS - 1)
         kites = octants().kites
-        points[:, _OF_KITE:_BESIDE] += _IN_FACE * (
-            _direction(kites[:, 2]) + _direction(kites[:, 3])
-        )
+        points[:, OF_KITE:BESIDE] += _IN_FACE * (_direction(kites[:, 2]) + _direction(kites[:, 3]))
+        cases = np.zeros((6, len(vertices)), dtype=np.int64)
         for half_edge in range(6):
-            step = (2 * (half_edge & 1) - 1) * field.steps[half_edge // 2]
-            case = np.where(field.has_ball[vertices + step], 2 - (half_edge & 1), 0)
-            _place_along(points, half_edge, _ALONG[case])
-        self._numbers = emitter.add_points(points.reshape(-1, 3)).reshape(-1, _N_POINTS)
+            axis = half_edge // 2
+            step = (2 * (half_edge & 1) - 1) * field.steps[axis]
+            cases[half_edge] = np.where(field.has_ball[vertices + step], 1 + place[:, axis] % 2, 0)
+            _place_along(points, half_edge, _ALONG[cases[half_edge]])
+        octant = (BITS - 1) @ field.steps
+        inside = field.inside[vertices[:, None] + octant]
+        place_on_sides(points, place, inside, cases, _ALONG)
+        self._numbers = emitter.add_points(points.reshape(-1, 3)).reshape(-1, N_POINTS)
+
+    def is_even(self, vertices: IntArray, axis: int) -> BoolArray:
+        """Return whether coordinates of grid vertices along an axis are even, shape (r,).
+
+        Parameters
+        ----------
+        vertices
+            Flat grid vertices, shape (r,).
+        axis
+            The axis.
+        """
+        return np.asarray(np.unravel_index(vertices, self._shape)[axis] % 2 == 0)
+
+    def split_others(self, elements: IntArray, slots: Slots) -> Split:
+        """Return elements that are no rings, split at all balls, see `split_at_balls`.
+
+        Parameters
+        ----------
+        elements
+            Elements of one kind, shape (m, 8).
+        slots
+            The points that split them.
+        """
+        return split_at_balls(elements, slots, self._row, self._numbers, self._shape)
 
     def split(self, first: RingEnd, second: RingEnd) -> list[tuple[str, IntArray, IntArray]]:
         """Return the elements of rings with a ball at the first end, and perhaps at the second.
@@ -117,7 +153,7 @@ class Balls:
         Parameters
         ----------
         first, second
-            The two ends; if both have balls, the first is the lower one.
+            The two ends; if both have balls, the coordinate of the first is even.
 
         Returns
         -------
@@ -155,15 +191,15 @@ class Balls:
     def _points(self, end: RingEnd, rows: IntArray) -> list[IntArray]:
         """Return the points of the balls at an end of some rings, see `split`."""
         numbers = self._numbers[self._row[end.quad[rows, 0]]]
-        beside = _BESIDE + 8 * end.half_edge
+        beside = BESIDE + 8 * end.half_edge
         columns = [
             end.half_edge,
-            _OF_OCTANT + end.below,
-            _OF_OCTANT + end.above,
-            _OF_KITE + end.kite,
+            OF_OCTANT + end.below,
+            OF_OCTANT + end.above,
+            OF_KITE + end.kite,
             beside + end.below,
             beside + end.above,
-            _CENTRE + 12 * end.half_edge + end.kite,
+            CENTRE + 12 * end.half_edge + end.kite,
         ]
         return [numbers[:, c] for c in columns]
 
@@ -180,7 +216,7 @@ def _place_along(points: FloatArray, half_edge: int, along: FloatArray) -> None:
     Parameters
     ----------
     points
-        Points of all balls, shape (p, `_N_POINTS`, 3).
+        Points of all balls, shape (p, `N_POINTS`, 3).
     half_edge
         The half-edge.
     along
@@ -190,9 +226,9 @@ def _place_along(points: FloatArray, half_edge: int, along: FloatArray) -> None:
     axis, direction = half_edge // 2, _direction(half_edge)
     points[:, half_edge] += on_edge[:, 0] * direction
     across = (2 * BITS - 1.0) * (np.arange(3) != axis)
-    beside = slice(_BESIDE + 8 * half_edge, _BESIDE + 8 * (half_edge + 1))
+    beside = slice(BESIDE + 8 * half_edge, BESIDE + 8 * (half_edge + 1))
     points[:, beside] += cell_along * direction + cell_across * across
     kites = octants().kites[:, 2:]
     other = np.where(kites[:, 0] == half_edge, kites[:, 1], kites[:, 0])
-    centre = slice(_CENTRE + 12 * half_edge, _CENTRE + 12 * (half_edge + 1))
+    centre = slice(CENTRE + 12 * half_edge, CENTRE + 12 * (half_edge + 1))
     points[:, centre] += face_along * direction + face_across * _direction(other)

@@ -12,12 +12,12 @@ This section cuts a refined face between two cells; ``f`` are its edges, ``s`` i
 
 A face whose four rings all have the material of one of its cells stays plain, and both frusta get
 that material: the same bodies meet, with four hexes fewer.  A cell of one material with six plain
-faces stays whole.
+faces stays whole.  Faces on the sides of the grid are refined at balls only, see `side_balls`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 import numpy as np
@@ -25,9 +25,17 @@ import numpy as np
 from tusqh.contacts.ball_elements import Balls, RingEnd, ring_end
 from tusqh.contacts.decided import Labels
 from tusqh.contacts.emitter import Emitted, Emitter
+from tusqh.contacts.side_balls import (
+    INSET_ON_SIDE,
+    SMALL_ON_SIDE,
+    Slots,
+    slots_of_cell,
+    slots_of_frustum,
+)
 from tusqh.contacts.spatial import SpatialDecision, face_sticks
+from tusqh.contacts.spatial_votes import LAYERS
 from tusqh.contacts.stick_field import Field
-from tusqh.grid import HEX_CORNERS, BackgroundGrid, IntArray
+from tusqh.grid import HEX_CORNERS, BackgroundGrid, BoolArray, IntArray
 from tusqh.grid.numbering import FACES
 from tusqh.meshes.facets import HEX_FACETS
 from tusqh.meshes.volume_mesh import CONNECTING, GRID_CELL, INNER_CELL, SEPARATING
@@ -45,17 +53,34 @@ class _Faces:
     ----------
     lower, upper
         Flat cells on both sides, shape (f,).
+    below, above
+        Materials of the elements beside the face on both sides, shape (f,).
     rings
         Materials of the four rings, in the order of the corners of the lower cell's face,
         shape (f, 4).
     plain
         Material of both frusta if the face stays plain, -1 if it is refined, shape (f,).
+    side
+        Direction from the lower to the upper cell into the grid: 1 or -1 for faces on the sides of
+        the grid, otherwise 0, shape (f,).
     """
 
     lower: IntArray
     upper: IntArray
+    below: Labels
+    above: Labels
     rings: Labels
     plain: Labels
+    side: IntArray
+
+    @property
+    def owners(self) -> IntArray:
+        """Cells of the rings, shape (f,)."""
+        return np.where(self.side == 1, self.upper, self.lower)
+
+    def take(self, rows: BoolArray) -> _Faces:
+        """Return some faces."""
+        return _Faces(*[getattr(self, f.name)[rows] for f in fields(self)])
 
 
 def emit_spatial(
@@ -88,18 +113,49 @@ def emit_spatial(
     is_meshed[1:-1, 1:-1, 1:-1] = True
     is_whole = ~is_split & is_meshed.ravel() & (flat != left_out)
     whole, split = np.flatnonzero(is_whole), np.flatnonzero(is_split)
-    emitter.add(emitter.outer(whole), whole, GRID_CELL, flat[whole])
     emitter.add(emitter.inner(split), split, INNER_CELL, flat[split])
+    balls = Balls(emitter, decision.field)
+    others = _Others(whole, GRID_CELL, flat[whole])
+    _emit_others(emitter, balls, others, emitter.outer(whole), slots_of_cell())
     for face in range(6):
         cells = split[frusta[face, split] >= 0]
         corners = np.concatenate([emitter.outer(cells), emitter.inner(cells)], axis=1)
         material = frusta[face, cells]
-        kind = np.where(material == flat[cells], SEPARATING, CONNECTING)
-        emitter.add(corners[:, emitter.template.frusta[face]], cells, kind, material)
-    balls = Balls(emitter, decision.field)
+        others = _Others(cells, np.where(material == flat[cells], SEPARATING, CONNECTING), material)
+        of_frustum = emitter.template.frusta[face]
+        slots = slots_of_frustum(face, tuple(of_frustum.tolist()))
+        _emit_others(emitter, balls, others, corners[:, of_frustum], slots)
     for axis, found in enumerate(faces):
-        _emit_refined(emitter, balls, axis, found, flat)
+        _emit_refined(emitter, balls, axis, found)
     return emitter.finish(name)
+
+
+class _Others(NamedTuple):
+    """The owners, kinds and materials of elements that are no rings."""
+
+    owners: IntArray
+    kind: int | IntArray
+    material: Labels
+
+
+def _emit_others(
+    emitter: Emitter, balls: Balls, others: _Others, elements: IntArray, slots: Slots
+) -> None:
+    """Add elements, split where they touch a ball; only corners in the grid belong to the ball."""
+    at_ball = np.append(balls.has_ball, False)[np.minimum(elements, len(balls.has_ball))].any(
+        axis=1
+    )
+    kind = np.broadcast_to(others.kind, len(elements))
+    plain, touching = np.flatnonzero(~at_ball), np.flatnonzero(at_ball)
+    emitter.add(elements[plain], others.owners[plain], kind[plain], others.material[plain])
+    found = balls.split_others(elements[touching], slots)
+    rows = touching[found.rows]
+    owners = others.owners[rows]
+    place = np.stack(np.unravel_index(owners, emitter.grid.shape))
+    is_inside = (place >= LAYERS) & (np.array(emitter.grid.shape) - LAYERS > place.T).T
+    of_ball = (found.vertices >= 0) & is_inside.all(axis=0)
+    material = np.where(of_ball, balls.material[found.vertices], others.material[rows])
+    emitter.add(found.elements, owners, np.where(of_ball, CONNECTING, kind[rows]), material)
 
 
 def _find_faces(field: Field, axis: int, grid: BackgroundGrid) -> _Faces:
@@ -109,6 +165,10 @@ def _find_faces(field: Field, axis: int, grid: BackgroundGrid) -> _Faces:
     at_ball = np.zeros(len(numbers), dtype=bool)
     for corner in (0, first, second, first + second):
         at_ball |= field.has_ball[numbers + corner]
+    # On a side, all elements between the two cells have the material of the cell in the grid.
+    inside = field.inside[numbers].astype(np.int64)
+    side = inside - field.inside[numbers - field.steps[axis]]
+    below, above = np.where(side == 1, above, below), np.where(side == -1, below, above)
     single = np.where(field.sides[axis, numbers] == 1, above, below)
     at_edges = np.where(has, sticks, single[:, None])
     rings = at_edges[:, _ring_order(axis)]
@@ -121,8 +181,11 @@ def _find_faces(field: Field, axis: int, grid: BackgroundGrid) -> _Faces:
     return _Faces(
         lower=np.ravel_multi_index(tuple(lower), grid.shape),
         upper=np.ravel_multi_index(tuple(upper), grid.shape),
+        below=below,
+        above=above,
         rings=rings,
         plain=np.where(is_one, rings[:, 0], -1).astype(np.int32),
+        side=side,
     )
 
 
@@ -142,29 +205,34 @@ def _upper_face(axis: int) -> IntArray:
     return np.asarray(HEX_FACETS[FACES[3].index((axis, 1))])
 
 
-def _emit_refined(emitter: Emitter, balls: Balls, axis: int, faces: _Faces, flat: Labels) -> None:
+def _emit_refined(emitter: Emitter, balls: Balls, axis: int, faces: _Faces) -> None:
     """Add the centres and rings of the refined faces normal to an axis."""
-    is_refined = faces.plain < 0
-    lower, upper, rings = faces.lower[is_refined], faces.upper[is_refined], faces.rings[is_refined]
+    faces = faces.take(faces.plain < 0)
     local = _upper_face(axis)
     opposite = [_across(int(corner), axis) for corner in local]
-    outer = emitter.outer(lower)[:, local]
-    below, above = emitter.inner(lower)[:, local], emitter.inner(upper)[:, opposite]
-    small = _add_small_quads(emitter, lower, axis, local)
-    emitter.add(np.concatenate([below, small], axis=1), lower, SEPARATING, flat[lower])
-    emitter.add(np.concatenate([small, above], axis=1), upper, SEPARATING, flat[upper])
+    outer = emitter.outer(faces.lower)[:, local]
+    below = emitter.inner(faces.lower)[:, local]
+    above = emitter.inner(faces.upper)[:, opposite]
+    _lay_on_side(emitter, axis, faces, below, above)
+    small = _add_small_quads(emitter, axis, faces)
+    for quads, owners, material in (
+        ([below, small], np.where(faces.side == 1, faces.upper, faces.lower), faces.below),
+        ([small, above], np.where(faces.side == -1, faces.lower, faces.upper), faces.above),
+    ):
+        emitter.add(np.concatenate(quads, axis=1), owners, SEPARATING, material)
     corners = np.stack([outer, below, small, above], axis=2)
     for a in range(4):
         b = (a + 1) % 4
         along = int((HEX_CORNERS[local[a]] != HEX_CORNERS[local[b]]).argmax())
         ends = [ring_end(corners[:, c], HEX_CORNERS[local[c]], along, axis) for c in (a, b)]
-        _emit_rings(emitter, balls, ends, _Rings(lower, flat[lower], flat[upper], rings[:, a]))
+        rings = _Rings(faces.owners, faces.below, faces.above, faces.rings[:, a])
+        _emit_rings(emitter, balls, ends, rings)
 
 
 class _Rings(NamedTuple):
     """The owners of rings, and the materials below them, above them and of themselves."""
 
-    lower: IntArray
+    owners: IntArray
     below: Labels
     above: Labels
     ring: Labels
@@ -173,12 +241,12 @@ class _Rings(NamedTuple):
 def _emit_rings(emitter: Emitter, balls: Balls, ends: list[RingEnd], rings: _Rings) -> None:
     """Add the rings between two ends, split where one of them has a ball."""
     has = [balls.has_ball[end.quad[:, 0]] for end in ends]
-    lowest = 0 if ends[0].half_edge & 1 else 1
+    is_even = [balls.is_even(end.quad[:, 0], end.half_edge // 2) for end in ends]
     whole = np.flatnonzero(~has[0] & ~has[1])
     parts = [("ring", whole, np.concatenate([end.quad[whole] for end in ends], axis=1))]
     for first in (0, 1):
-        # Split from this end, unless there are balls at both ends and it is the upper one.
-        rows = np.flatnonzero(has[first] & ((first == lowest) | ~has[1 - first]))
+        # Split from this end, unless there are balls at both ends and it is the second one.
+        rows = np.flatnonzero(has[first] & (is_even[first] | ~has[1 - first]))
         if len(rows) == 0:
             continue
         own, other = (ends[k]._replace(quad=ends[k].quad[rows]) for k in (first, 1 - first))
@@ -187,22 +255,36 @@ def _emit_rings(emitter: Emitter, balls: Balls, ends: list[RingEnd], rings: _Rin
             if name in ("first", "second"):
                 at = own if name == "first" else other
                 material = balls.material[at.quad[found, 0]]
-                emitter.add(turned, rings.lower[rows[found]], CONNECTING, material)
+                emitter.add(turned, rings.owners[rows[found]], CONNECTING, material)
             else:
                 parts.append((name, rows[found], turned))
     for name, rows, elements in parts:
         material = getattr(rings, name)[rows]
         is_own = (material == rings.below[rows]) & (material == rings.above[rows])
         kind = np.where(is_own, SEPARATING, CONNECTING)
-        emitter.add(elements, rings.lower[rows], kind, material)
+        emitter.add(elements, rings.owners[rows], kind, material)
 
 
-def _add_small_quads(emitter: Emitter, lower: IntArray, axis: int, local: IntArray) -> IntArray:
-    """Return new points in the upper faces of cells, shape (m, 4)."""
-    inset = _QUAD_INSET + (1 - 2 * _QUAD_INSET) * HEX_CORNERS[local]
-    inset[:, axis] = 1.0
-    lowest = np.stack(np.unravel_index(lower, emitter.grid.shape), axis=1)
-    return emitter.add_points((lowest[:, None] + inset).reshape(-1, 3)).reshape(-1, 4)
+def _add_small_quads(emitter: Emitter, axis: int, faces: _Faces) -> IntArray:
+    """Return new points in faces, or on the sides of the grid just inside, shape (m, 4)."""
+    corners = HEX_CORNERS[_upper_face(axis)]
+    lowest = np.stack(np.unravel_index(faces.lower, emitter.grid.shape), axis=1)
+    inset = np.where(faces.side == 0, _QUAD_INSET, SMALL_ON_SIDE[0])[:, None, None]
+    points = lowest[:, None] + inset + (1 - 2 * inset) * corners
+    points[:, :, axis] = (lowest[:, axis] + 1 + SMALL_ON_SIDE[1] * faces.side)[:, None]
+    return emitter.add_points(points.reshape(-1, 3)).reshape(-1, 4)
+
+
+def _lay_on_side(
+    emitter: Emitter, axis: int, faces: _Faces, below: IntArray, above: IntArray
+) -> None:
+    """Move the corners of inner cells outside the grid to its side."""
+    corners = HEX_CORNERS[_upper_face(axis)]
+    for outside, quads in ((faces.side == 1, below), (faces.side == -1, above)):
+        lowest = np.stack(np.unravel_index(faces.lower[outside], emitter.grid.shape), axis=1)
+        points = lowest[:, None] + INSET_ON_SIDE + (1 - 2 * INSET_ON_SIDE) * corners
+        points[:, :, axis] = (lowest[:, axis] + 1)[:, None]
+        emitter.move(quads[outside].ravel(), points.reshape(-1, 3))
 
 
 def _across(corner: int, axis: int) -> int:

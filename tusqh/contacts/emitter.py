@@ -62,6 +62,7 @@ class Emitter:
             [np.ravel_multi_index(tuple(c), self.vertex_shape) for c in CORNERS[grid.dim]]
         )
         self._added: list[FloatArray] = []
+        self._moved: list[tuple[IntArray, FloatArray]] = []
         self._n_points = self._end_of_inner
         self._elements: list[IntArray] = []
         self._owners: list[IntArray] = []
@@ -108,6 +109,18 @@ class Emitter:
         self._added.append(positions)
         self._n_points += len(positions)
         return numbers
+
+    def move(self, numbers: IntArray, positions: FloatArray) -> None:
+        """Give points other positions.
+
+        Parameters
+        ----------
+        numbers
+            Numbers of the points, shape (m,).
+        positions
+            Positions in cells from the grid's lowest corner, shape (m, dim).
+        """
+        self._moved.append((numbers, positions))
 
     def add(
         self,
@@ -168,13 +181,18 @@ class Emitter:
         cell, corner = np.divmod(inner - self.n_vertices, self.template.n_corners)
         lowest = np.stack(np.unravel_index(self._with_inner[cell], self.grid.shape), axis=1)
         nothing = np.empty((0, self.grid.dim))
-        return np.concatenate(
+        found = np.concatenate(
             [
                 np.stack(np.unravel_index(vertices, self.vertex_shape), axis=1),
                 lowest + self.template.inner[corner],
                 np.concatenate([nothing, *self._added])[added - self._end_of_inner],
             ]
         )
+        for numbers, positions in self._moved:
+            rows = np.searchsorted(points, numbers)
+            is_used = points[np.minimum(rows, len(points) - 1)] == numbers
+            found[rows[is_used]] = positions[is_used]
+        return found
 
 
 @numba.njit(cache=True)

@@ -47,6 +47,8 @@ class Octants(NamedTuple):
         Whether a set of octants or its complement is disconnected, shape (256,).
     euler
         Euler characteristic of the octants of a set and the faces between them, shape (256,).
+    filled
+        The same with the half-edges all of whose octants are in the set, and the vertex likewise.
     """
 
     kites: IntArray
@@ -57,6 +59,7 @@ class Octants(NamedTuple):
     parts: IntArray
     is_pinched: np.ndarray[tuple[int], np.dtype[np.bool_]]
     euler: IntArray
+    filled: IntArray
 
 
 @cache
@@ -82,15 +85,22 @@ def octants() -> Octants:
         mask.bit_count() - sum(mask >> a & mask >> b & 1 for a, b in kites[:, :2].tolist())
         for mask in range(256)
     ]
+    around = _find_around()
+    four = [sum(1 << int(a) for a in row) for row in around]
+    filled = [
+        euler[mask] + sum(mask & edge == edge for edge in four) - (mask == 255)
+        for mask in range(256)
+    ]
     return Octants(
         kites=kites,
-        around=_find_around(),
+        around=around,
         of_octant=np.array(of_octant, dtype=np.int64),
         of_kite=np.array(of_kite, dtype=np.int64),
         next_to=np.array(next_to, dtype=np.int64),
         parts=parts,
         is_pinched=(n_parts > 1) | (n_parts[::-1] > 1),
         euler=np.array(euler, dtype=np.int64),
+        filled=np.array(filled, dtype=np.int64),
     )
 
 

@@ -58,6 +58,7 @@ class _Decider:
         n = len(votes.labels)
         self.field = Field(
             labels=votes.labels,
+            inside=votes.inside,
             ball=np.full(n, -1, dtype=np.int32),
             is_pinched=np.zeros((3, n), dtype=bool),
             marked=np.zeros(n, dtype=bool),
@@ -99,6 +100,13 @@ class _Decider:
             edges = edges[field.sticks[axis, edges] < 0]
             around, winner = self.votes.of_edges(axis, edges)
             is_pinched = find_diagonals(around.T)
+            # A stick on a side of the grid has a material of its cells in the grid.
+            cells = edges[:, None] + self.votes.octant[self.tables.around[2 * axis + 1]]
+            inside = self.votes.inside[cells]
+            first = np.take_along_axis(around, inside.argmax(axis=1)[:, None], axis=1)
+            around = np.where(inside, around, first)
+            is_missing = (around != winner[:, None]).all(axis=1)
+            winner[is_missing] = first[is_missing, 0]
             field.is_pinched[axis, edges] = is_pinched
             for ends in (edges + step, edges):
                 ball = field.ball[ends]
@@ -229,7 +237,11 @@ def face_sticks(field: Field, axis: int) -> tuple[IntArray, Labels, Labels, Labe
     has_ball = np.zeros(len(faces), dtype=bool)
     for corner in (0, step_a, step_b, step_a + step_b):
         has_ball |= field.has_ball[faces + corner]
-    faces = faces[has_ball | (field.labels[faces - field.steps[axis]] != field.labels[faces])]
+    lower = faces - field.steps[axis]
+    # On the sides of the grid only the faces at balls are refined.
+    differ = field.labels[lower] != field.labels[faces]
+    n_inside = field.inside[lower].astype(int) + field.inside[faces]
+    faces = faces[(has_ball & (n_inside > 0)) | (differ & (n_inside == 2))]
     edges = [(b, faces), (b, faces + step_a), (a, faces), (a, faces + step_b)]
     sticks = np.stack([field.sticks[k, e] for k, e in edges], axis=1)
     return faces, field.labels[faces - field.steps[axis]], field.labels[faces], sticks, sticks >= 0

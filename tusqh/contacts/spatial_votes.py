@@ -31,6 +31,9 @@ class SpatialVotes:
         self.shape = tuple(n + 1 for n in labels.shape)
         flat = np.pad(labels, ((0, 1),) * 3, constant_values=fractions.void).ravel()
         self.labels = np.ascontiguousarray(flat, dtype=np.int32)
+        inside = np.zeros(self.shape, dtype=bool)
+        inside[(slice(LAYERS, -LAYERS - 1),) * 3] = True
+        self.inside = inside.ravel()
         self.steps = np.array([self.shape[1] * self.shape[2], self.shape[2], 1], dtype=np.int64)
         self.octant = (BITS - 1) @ self.steps
 

@@ -22,6 +22,9 @@ class Field(NamedTuple):
     ----------
     labels
         Material of every cell, shape (n_v,).
+    inside
+        Cells of the grid without layers; faces of other cells are never refined, so that the sides
+        of the grid stay plane, shape (n_v,).
     ball
         Decided material of every pinched vertex, -1 at other vertices, shape (n_v,).
     is_pinched
@@ -40,6 +43,7 @@ class Field(NamedTuple):
     """
 
     labels: NDArray[np.int32]
+    inside: NDArray[np.bool_]
     ball: NDArray[np.int32]
     is_pinched: NDArray[np.bool_]
     marked: NDArray[np.bool_]

@@ -17,19 +17,11 @@ _ALL = (1 << 48) - 1
 
 
 @numba.njit(cache=True)
-def judge_around(octants, sectors, sticks, ball, tables):  # type: ignore[no-untyped-def]
-    """Return whether a vertex is good.
+def _judge_around(octants, sectors, sticks, ball, tables):  # type: ignore[no-untyped-def]
+    """Return whether a vertex is good, from the materials of its octants and sectors.
 
-    Parameters
-    ----------
-    octants, sectors
-        Materials of the octants, shape (8,), and of the sectors, shape (48,); int32.
-    sticks
-        Decided materials of the half-edges that are pinched, -1 at others, shape (6,); int32.
-    ball
-        Decided material of the vertex if it is pinched, otherwise -1.
-    tables
-        See `tusqh.contacts.octants.Octants`.
+    `sticks` has the decided materials of pinched half-edges and `ball` that of a pinched vertex,
+    -1 at others.
     """
     for a in range(8):
         k, mask, is_first = octants[a], 0, True
@@ -88,26 +80,20 @@ def _has_topology(has_ball, k, mask, region, sticks, tables):  # type: ignore[no
     euler = tables.euler[mask] + (region != 0) + n_kites
     for a in range(8):
         euler -= touching >> a & 1
-    found, said, expected = tables.parts[mask].copy(), tables.parts[mask].copy(), 1
+    found, said = tables.parts[mask].copy(), tables.parts[mask].copy()
     _join(found, touching)
+    expected = 1 if has_ball else tables.filled[mask]
     if has_ball:
         _join(said, mask)
-    else:
-        expected = tables.euler[mask] - (mask == 255)
-        for e in range(6):
-            around, n, n_faces = 0, 0, 0
+    for e in range(6):
+        if sticks[e] == k and not has_ball:
+            around = 0
             for c in range(4):
-                here = mask >> tables.around[e, c] & 1
-                around |= here << tables.around[e, c]
-                n += here
-                n_faces += here & (mask >> tables.around[e, (c + 1) % 4])
-            if n == 4 or (n > 0 and sticks[e] == k):
-                expected += 1 - (n - n_faces)
-                _join(said, around)
-    is_same = euler == expected
-    for a in range(8):
-        is_same &= found[a] == said[a]
-    return is_same
+                around |= mask & 1 << tables.around[e, c]
+                expected -= mask >> tables.around[e, c] & 1
+            expected += 1
+            _join(said, around)
+    return euler == expected and (found == said).all()
 
 
 @numba.njit(cache=True)
@@ -126,13 +112,18 @@ def _join(parts, octants):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
+def _cell_at(v, octant, field):  # type: ignore[no-untyped-def]
+    """Return the number of the cell in an octant of a vertex."""
+    for axis in range(3):
+        v -= (1 - (octant >> axis & 1)) * field.steps[axis]
+    return v
+
+
+@numba.njit(cache=True)
 def _look_around(v, octants, decided, field, tables):  # type: ignore[no-untyped-def]
     """Fill in the materials of the octants, and the decided ones of pinched edges, at a vertex."""
     for a in range(8):
-        number = v
-        for axis in range(3):
-            number -= (1 - (a >> axis & 1)) * field.steps[axis]
-        octants[a] = field.labels[number]
+        octants[a] = field.labels[_cell_at(v, a, field)]
     for e in range(6):
         low = v - (1 - (e & 1)) * field.steps[e // 2]
         decided[e] = field.sticks[e // 2, low] if field.is_pinched[e // 2, low] else -1
@@ -140,10 +131,16 @@ def _look_around(v, octants, decided, field, tables):  # type: ignore[no-untyped
 
 @numba.njit(cache=True)
 def _face_at(v, q, field, tables):  # type: ignore[no-untyped-def]
-    """Return the normal and the number of the face in which a kite at a vertex lies."""
+    """Return the normal and number of the face of a kite, and whether it may be refined.
+
+    Faces between two materials may be refined if both cells lie in the grid.
+    """
     e, f = tables.kites[q, 2], tables.kites[q, 3]
+    axis = 3 - e // 2 - f // 2
     low = v - (1 - (e & 1)) * field.steps[e // 2] - (1 - (f & 1)) * field.steps[f // 2]
-    return 3 - e // 2 - f // 2, low
+    lower = low - field.steps[axis]
+    is_inside = field.inside[lower] and field.inside[low]
+    return axis, low, is_inside and field.labels[lower] != field.labels[low]
 
 
 @numba.njit(cache=True)
@@ -155,18 +152,15 @@ def _has_corner(where, axis, low, field):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True)
 def _is_good(v, field, tables):  # type: ignore[no-untyped-def]
-    """Return the result of `judge_around` for a vertex of the grid; true if it has a real ball."""
+    """Return whether a vertex of the grid is good; all with elements for their balls are."""
     if field.has_ball[v]:
         return True
     octants, sectors = np.empty(8, np.int32), np.empty(48, np.int32)
     decided = np.empty(6, np.int32)
     _look_around(v, octants, decided, field, tables)
-    is_plain = True
     for q in range(12):
-        axis, low = _face_at(v, q, field, tables)
-        is_refined = octants[tables.kites[q, 0]] != octants[tables.kites[q, 1]]
-        is_refined &= _has_corner(field.marked, axis, low, field)
-        is_plain &= not is_refined
+        axis, low, is_refined = _face_at(v, q, field, tables)
+        is_refined = is_refined and _has_corner(field.marked, axis, low, field)
         single = octants[tables.kites[q, field.sides[axis, low]]]
         for h in range(2):
             e = tables.kites[q, 2 + h]
@@ -175,9 +169,7 @@ def _is_good(v, field, tables):  # type: ignore[no-untyped-def]
             for side in range(2):
                 own = octants[tables.kites[q, side]]
                 sectors[4 * q + 2 * side + h] = ring if is_refined else own
-    if is_plain and field.ball[v] < 0:
-        return True
-    return judge_around(octants, sectors, decided, field.ball[v], tables)
+    return _judge_around(octants, sectors, decided, field.ball[v], tables)
 
 
 @numba.njit(cache=True)
@@ -202,8 +194,6 @@ def judge(vertices, field, tables):  # type: ignore[no-untyped-def]
 @numba.njit(cache=True)
 def _price_face(lower, upper, rings, must, void):  # type: ignore[no-untyped-def]
     """Return the elements that a face adds, and whether it splits its lower and upper cell."""
-    if lower == upper:
-        return 0, must, must
     common, is_one = np.int32(-1), not must
     for ring in rings:
         if ring >= 0:
@@ -234,7 +224,9 @@ def _list_options(v, octants, options, field, tables):  # type: ignore[no-untype
         old = field.sticks[axis, low]
         labels[e, 0], number[e] = old, 1
         for c in range(4):
-            k, is_new = octants[tables.around[e, c]], not field.is_pinched[axis, low]
+            a = tables.around[e, c]
+            is_new = not field.is_pinched[axis, low] and field.inside[_cell_at(v, a, field)]
+            k = octants[a]
             for at in range(number[e]):
                 is_new &= labels[e, at] != k
             if is_new:
@@ -251,11 +243,14 @@ def _list_options(v, octants, options, field, tables):  # type: ignore[no-untype
 def _price_faces(v, octants, options, faces, field, tables, void):  # type: ignore[no-untyped-def]
     """Fill in what every face at a vertex adds and splits, for all pairs of its two sticks."""
     labels, _, number = options
-    prices, splits = faces
+    prices, splits, is_refined = faces
+    prices[:], splits[:] = 0, 0
     rings = np.empty(4, dtype=np.int32)
     for q in range(12):
         e, f = tables.kites[q, 2], tables.kites[q, 3]
-        axis, low = _face_at(v, q, field, tables)
+        axis, low, is_refined[q] = _face_at(v, q, field, tables)
+        if not is_refined[q]:
+            continue
         must = _has_corner(field.has_ball, axis, low, field)
         # The sticks at the vertex come first, then those at the two other edges.
         rings[2] = field.sticks[e // 2, low + (f & 1) * field.steps[f // 2]]
@@ -275,7 +270,7 @@ def _price_faces(v, octants, options, faces, field, tables, void):  # type: igno
 def _search(v, octants, decided, options, faces, field, tables, void):  # type: ignore[no-untyped-def]
     """Return the cheapest choice of every stick, as digits of one number; 0 is the present one."""
     labels, price, number = options
-    prices, splits = faces
+    prices, splits, is_refined = faces
     sectors, digit = np.empty(48, dtype=np.int32), np.zeros(6, dtype=np.int64)
     total, best, best_code = 1, np.inf, 0
     for e in range(6):
@@ -295,13 +290,14 @@ def _search(v, octants, decided, options, faces, field, tables, void):  # type: 
         if cost >= best:
             continue
         for q in range(12):
-            lower, upper = octants[tables.kites[q, 0]], octants[tables.kites[q, 1]]
             for h in range(2):
                 e = tables.kites[q, 2 + h]
-                ring = lower if lower == upper else labels[e, digit[e]]
-                sectors[4 * q + h] = sectors[4 * q + 2 + h] = ring
+                for side in range(2):
+                    own = octants[tables.kites[q, side]]
+                    ring = labels[e, digit[e]] if is_refined[q] else own
+                    sectors[4 * q + 2 * side + h] = ring
         is_good = field.has_ball[v]
-        if not (is_good or judge_around(octants, sectors, decided, field.ball[v], tables)):
+        if not (is_good or _judge_around(octants, sectors, decided, field.ball[v], tables)):
             cost += _BAD
         if cost < best:
             best, best_code = cost, code
@@ -332,7 +328,8 @@ def improve(vertices, field, void, tables):  # type: ignore[no-untyped-def]
     """
     octants, decided = np.empty(8, np.int32), np.empty(6, np.int32)
     options = (np.empty((6, 4), np.int32), np.empty((6, 4)), np.empty(6, np.int64))
-    faces = (np.empty((12, 4, 4), np.int64), np.empty((12, 4, 4), np.int64))
+    shape = (12, 4, 4)
+    faces = (np.empty(shape, np.int64), np.empty(shape, np.int64), np.empty(12, np.bool_))
     n_changed = 0
     for v in vertices:
         _look_around(v, octants, decided, field, tables)
