@@ -97,21 +97,44 @@ def _name(labels: list[int], names: dict[int, str], *, is_filled: bool) -> list[
     missing = sorted(set(names) - set(labels))
     named = [names.get(label, str(label)) for label in labels]
     repeated = {name for name, n in Counter(named).items() if n > 1}
+    shown = ", ".join(map(str, labels[:20])) + (", ..." if len(labels) > 20 else "")
+    rename = "correct the names of the labels"
     problems = [
-        (not labels, "no voxel with a material", "at least one label other than the void"),
-        (len(labels) > MOST_LABELS, f"{len(labels)} labels", f"at most {MOST_LABELS}"),
-        (bool(missing), f"no voxel with the labels {missing}", f"labels among {labels[:20]}"),
-        (bool(repeated), f"several labels called {sorted(repeated)}", "one name for each label"),
-        (VOID in named, f"a material called {VOID}", "another name; `void` is what no label has"),
+        (
+            not labels,
+            "no voxel with a material",
+            "at least one label other than the void",
+            "check that the image holds labels and that 0 is its void",
+        ),
+        (
+            len(labels) > MOST_LABELS,
+            f"{len(labels)} labels",
+            f"at most {MOST_LABELS:,}",
+            "merge small regions, or mesh the image as grey values if these are no labels",
+        ),
+        (
+            bool(missing),
+            f"no voxel with the labels {missing}",
+            f"labels of the image: {shown}",
+            rename,
+        ),
+        (
+            bool(repeated),
+            f"several labels called {sorted(repeated)}",
+            "one name for each label",
+            rename + "; a label without a name is called by its number",
+        ),
+        (
+            VOID in named,
+            f"a material called {VOID}",
+            "another name; `void` is what no label has",
+            rename,
+        ),
     ]
-    for is_wrong, found, expected in problems:
+    for is_wrong, found, expected, remedy in problems:
         if is_wrong:
-            raise SamplingError(
-                found,
-                where="image of labels" + ("" if is_filled else ", the void left out"),
-                expected=expected,
-                remedy="correct the names of the labels, or the image",
-            )
+            where = "image of labels" + ("" if is_filled else ", the void left out")
+            raise SamplingError(found, where=where, expected=expected, remedy=remedy)
     return named
 
 
