@@ -169,5 +169,8 @@ def test_the_committed_configuration_takes_a_model(repository, project, add):
     (project / "config/config.yaml").write_text(text)
     assert add("../part.stl", "--name", "part")[0] == 0
     after = (project / "config/config.yaml").read_text()
-    assert after.startswith(text.rstrip("\n"))
+    # The block follows the last model, and nothing else changes.
+    models, study = text.split("\n# The programs that Tusqh is compared with")
+    assert after.startswith(models.rstrip("\n"))
+    assert after.endswith(study)
     assert list(yaml.safe_load(after)["models"])[-1] == "part"

@@ -56,7 +56,7 @@ def write_model(
         "fractions": {"file": "fractions.npz", "sha256": "f" * 64},
         "mesh": {"file": "mesh.vtu", "sha256": "a" * 64},
     }
-    facts = {"dimension": 3, "elements": 12345, "grid": "4x4x4", "pinches": 7}
+    facts = {"dimension": 3, "elements": 12345, "grid": "4x4x4", "contacts": 7, "overruled": 0}
     facts |= {"volume": 3.0, "reference_volume": 4.0, "reference_source": "the exact volume"}
     reading = {"kind": "surface", "format": "STL", "closed": False, "box": [[0, 0, 0], [1, 2, 3]]}
     reading |= {"counts": {"parts": 1, "triangles": 9, "points": 7, "boundary_edges": 9}}
