@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from filelock import FileLock
 
+from tusqh.compiled import compile_functions, is_compiled
 from tusqh.geometry.outline import Outline
 
 REPOSITORY = Path(__file__).resolve().parent.parent
@@ -22,6 +23,13 @@ def pytest_xdist_auto_num_workers(config):
     """Run the whole suite on all processors, and named files in this process."""
     is_whole = config.args_source is config.ArgsSource.TESTPATHS
     return min(os.cpu_count() or 1, 8) if is_whole else 0
+
+
+def pytest_configure(config):
+    """Compile before several workers start, which would all compile the same functions."""
+    is_controller = not hasattr(config, "workerinput")
+    if is_controller and getattr(config.option, "numprocesses", None) and not is_compiled():
+        compile_functions()
 
 
 @pytest.fixture(scope="session")

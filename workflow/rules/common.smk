@@ -15,6 +15,7 @@ FOLDERS = [folder for folder in os.environ.get("PYTHONPATH", "").split(os.pathse
 if str(BASE) not in FOLDERS:
     os.environ.update(PYTHONPATH=os.pathsep.join([str(BASE), *FOLDERS]))
 
+from tusqh.compiled import compile_functions, is_compiled
 from tusqh.errors import TusqhError
 from tusqh.files import RESULT_FILES
 from tusqh.geometry.packaged import PACKAGE

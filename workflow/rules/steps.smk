@@ -17,5 +17,8 @@ hint_at_models(sys.argv[1:])
 
 
 onstart:
+    if not is_compiled():
+        logger.info("compiling functions, which only the first run after an installation does (a minute)")
+        compile_functions()
     for code_file in sorted(set(CODE_OF_STEP.values())):
         list_code(code_file, base=BASE, folder=Path("results/provenance/code"))

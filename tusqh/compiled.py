@@ -1,0 +1,98 @@
+"""Compile the library's functions before several processes need them: ``python -m tusqh.compiled``.
+
+numba compiles a function when it is first called and keeps it on disk.  Processes that start
+together after an installation would all compile the same functions; here two processes share them.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from tusqh.grid import FloatArray, IntArray
+
+#: The two shares, which take about the same time.
+_SHARES = ("sampling", "meshing")
+
+
+def is_compiled() -> bool:
+    """Return whether numba has kept compiled functions, beside the modules or in its own folder."""
+    beside = Path(__file__).parent / "sampling/__pycache__"
+    return "NUMBA_CACHE_DIR" in os.environ or any(beside.glob("*.nbi"))
+
+
+def compile_functions() -> None:
+    """Compile what meshing needs, in two processes.
+
+    Functions for formats and options that few use are compiled when they are used.
+
+    Raises
+    ------
+    subprocess.CalledProcessError
+        One of the processes failed, and has printed why.
+    """
+    command = [sys.executable, "-W", "ignore", "-m", "tusqh.compiled"]
+    with subprocess.Popen([*command, _SHARES[0]]) as other:
+        subprocess.run([*command, _SHARES[1]], check=True)
+    if other.returncode:
+        raise subprocess.CalledProcessError(other.returncode, other.args)
+
+
+def _compile_sampling() -> None:
+    """Sample surfaces and an outline with gaps, which also compiles what measures their defects."""
+    from tusqh.geometry.outline import Outline
+    from tusqh.geometry.soup import Soup
+    from tusqh.pipeline.ingest import describe_geometry
+    from tusqh.pipeline.sample import sample
+    from tusqh.quality.thickness import measure_thickness
+    from tusqh.settings.grid import Grid
+
+    points, triangles = _ring()
+    is_kept = np.arange(len(triangles)) != 5
+    square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0], [0.0, 0.5]])
+    geometries = [Outline.from_chains([square], name="plate")]
+    for faces in (triangles, triangles[is_kept]):
+        geometries.append(Soup(points, faces, np.zeros(len(faces), dtype=np.int64), name="ring"))
+    for geometry in geometries:
+        describe_geometry(geometry)
+        sample(geometry, grid=Grid(cells=8), threshold=0.5)
+        measure_thickness(geometry)
+
+
+def _compile_meshing() -> None:
+    """Mesh an image of noise and an outline, which compiles everything that follows sampling."""
+    from tusqh.geometry.image import Image
+    from tusqh.geometry.outline import Outline
+    from tusqh.pipeline.mesh import mesh
+
+    noise = Image(np.random.default_rng(0).random((8, 8, 8)), name="noise")
+    square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0], [0.0, 0.0]])
+    for geometry in (noise, Outline.from_chains([square], name="plate")):
+        result = mesh(geometry, cells=8)
+        _ = result.diagram, result.judgement
+
+
+def _ring() -> tuple[FloatArray, IntArray]:
+    """Return the points and triangles of a ring with a square section."""
+    turns = np.arange(32) * (2 * np.pi / 32)
+    around = np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    section = np.array([[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]])
+    points = np.array([[*(radius * way), z] for way in around for radius, z in section])
+    triangles = []
+    for turn in range(32):
+        for side in range(4):
+            a, b = 4 * turn + side, 4 * turn + (side + 1) % 4
+            c, d = (a + 4) % len(points), (b + 4) % len(points)
+            triangles += [[a, c, b], [b, c, d]]
+    return points, np.array(triangles, dtype=np.int64)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) == 1:
+        compile_functions()
+    else:
+        {"sampling": _compile_sampling, "meshing": _compile_meshing}[sys.argv[1]]()
