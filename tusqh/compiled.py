@@ -44,6 +44,7 @@ def compile_functions() -> None:
 
 def _compile_sampling() -> None:
     """Sample surfaces and an outline with gaps, which also compiles what measures their defects."""
+    from tusqh.geometry.kinds import Surface
     from tusqh.geometry.outline import Outline
     from tusqh.geometry.soup import Soup
     from tusqh.pipeline.ingest import describe_geometry
@@ -54,7 +55,7 @@ def _compile_sampling() -> None:
     points, triangles = _ring()
     is_kept = np.arange(len(triangles)) != 5
     square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0], [0.0, 0.5]])
-    geometries = [Outline.from_chains([square], name="plate")]
+    geometries: list[Surface] = [Outline.from_chains([square], name="plate")]
     for faces in (triangles, triangles[is_kept]):
         geometries.append(Soup(points, faces, np.zeros(len(faces), dtype=np.int64), name="ring"))
     for geometry in geometries:
@@ -67,12 +68,14 @@ def _compile_meshing() -> None:
     """Mesh an image of noise and an outline, which compiles everything that follows sampling."""
     from tusqh.geometry.image import Image
     from tusqh.geometry.outline import Outline
-    from tusqh.pipeline.mesh import mesh
+    from tusqh.pipeline.mesh import run_stages
+    from tusqh.settings.grid import Grid
+    from tusqh.settings.model import Settings
 
     noise = Image(np.random.default_rng(0).random((8, 8, 8)), name="noise")
     square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0], [0.0, 0.0]])
     for geometry in (noise, Outline.from_chains([square], name="plate")):
-        result = mesh(geometry, cells=8)
+        result = run_stages(geometry, Settings(grid=Grid(cells=8)))
         _ = result.diagram, result.judgement
 
 
