@@ -73,7 +73,7 @@ def _require_inside(mesh: VolumeMesh, place: FloatArray) -> None:
         outside = sides[..., 1] * to_place[..., 0] - sides[..., 0] * to_place[..., 1]
     else:
         a, b, c, d = np.moveaxis(corners[:, HEX_FACETS], 2, 0)
-        normals = np.cross(c - a, d - b)  # Facets of the templates are flat.
+        normals = np.cross(c - a, d - b)  # Of the mean plane; facets of balls are not flat.
         outside = np.einsum("mfi,mfi->mf", normals, place - (a + b + c + d) / 4)
     slack = 1e-9 * np.abs(outside).max(initial=0.0)
     if not (outside <= slack).all(axis=1).any():
