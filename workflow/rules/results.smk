@@ -8,6 +8,7 @@ PAGE_TABLES = [
         table=["pinches", "aliasing", "theorem_windows", "theorem_space_windows", "theorem_contradictions"]
         + ["gap_meshes", "two_triangles", "wedge_grids"],
     ),
+    "results/tables/contacts.csv",
     "results/tables/orientation.csv",
     "results/tables/orientation_pooled.csv",
     "results/tables/recommended_grids.csv",

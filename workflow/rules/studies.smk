@@ -1,4 +1,16 @@
-# Studies of the configured models: suitability for analysis, and dependence on the grid.
+# Studies of the configured models: contacts, suitability for analysis, and dependence on the grid.
+rule contacts:
+    input:
+        **files_of_all_models("fractions", "curves"),
+    output:
+        table=report("results/tables/contacts.csv", "../report/contacts.rst", category="Tables"),
+    params:
+        models=list(MODELS),
+        sweep=SWEEP,
+    script:
+        "../scripts/contacts.py"
+
+
 rule suitability:
     input:
         **files("fractions", "selection"),
