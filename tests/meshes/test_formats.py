@@ -38,8 +38,8 @@ def test_every_facet_is_in_the_set_of_its_plane_or_of_its_direction(mesh):
             for members in (on_box, elsewhere):
                 assert (sign * away[members, axis] > 0).all()
                 flat = places[members][..., axis]
-                assert np.allclose(flat, flat[:, :1])
-            in_plane = np.isclose(places[..., axis], end[axis]).all(axis=1)
+                assert np.allclose(flat, flat[:, :1], rtol=1e-9)
+            in_plane = np.isclose(places[..., axis], end[axis], rtol=1e-9).all(axis=1)
             assert np.array_equal(on_box, in_plane)
     assert (boundary.attribute == len(SIDES)).any()
     if mesh.dim == 3:
