@@ -19,7 +19,14 @@ _ROWS = 10
 
 
 @options.with_settings(
-    without=("goal.target", "goal.persistence", "goal.volume", "quality"),
+    without=(
+        "goal.target",
+        "goal.persistence",
+        "goal.volume",
+        "goal.scope",
+        "goal.base",
+        "quality",
+    ),
 )
 def inspect(
     geometry: options.Source,
