@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from tusqh.meshes.volume_mesh import SIDE_BALL, VolumeMesh
+
 #: Allowance for rounding in coordinates of up to 1e7 times the cell size.
 _ROUNDING = 1e-8
 
@@ -20,30 +22,48 @@ class Scheme:
         Name of the scheme in messages.
     bounds
         Smallest scaled Jacobian that it can produce, by dimension.
+    on_sides
+        Smallest scaled Jacobian of meshes with balls on the sides of the grid.
     """
 
     name: str
     bounds: Mapping[int, float]
+    on_sides: float
 
-    def allows(self, scaled_jacobian: float, dim: int) -> bool:
-        """Return whether a scaled Jacobian is within the bound, up to rounding.
+    def bound_of(self, mesh: VolumeMesh) -> float:
+        """Return the smallest scaled Jacobian that a mesh can have.
+
+        Parameters
+        ----------
+        mesh
+            The mesh.
+        """
+        return self.on_sides if (mesh.kind == SIDE_BALL).any() else self.bounds[mesh.dim]
+
+    def allows(self, scaled_jacobian: float, mesh: VolumeMesh) -> bool:
+        """Return whether a scaled Jacobian is within the bound of a mesh, up to rounding.
 
         Parameters
         ----------
         scaled_jacobian
-            Smallest scaled Jacobian of a mesh, dimensionless; NaN is not within the bound.
-        dim
-            Dimension of the mesh.
+            Smallest scaled Jacobian of the mesh, dimensionless; NaN is not within the bound.
+        mesh
+            The mesh.
 
         Examples
         --------
-        >>> PINCH_TEMPLATES.allows(0.70711, 2), PINCH_TEMPLATES.allows(0.5, 2)
+        >>> import numpy as np
+        >>> square = VolumeMesh.from_arrays(
+        ...     np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), np.array([[0, 1, 2, 3]])
+        ... )
+        >>> PINCH_TEMPLATES.allows(0.70711, square), PINCH_TEMPLATES.allows(0.5, square)
         (True, False)
         """
-        return scaled_jacobian >= self.bounds[dim] - _ROUNDING
+        return scaled_jacobian >= self.bound_of(mesh) - _ROUNDING
 
 
-#: The bounds come from the trapezoids of the 1-5 template on square cells, and from the balls on
-#: the sides of the grid on cubic cells; no other element in space is below the frusta of the 1-7
-#: template, which have 1 / sqrt(3) (paper: Anti-aliasing).
-PINCH_TEMPLATES = Scheme("pinch templates", {2: math.sqrt(2) / 2, 3: 0.39})
+#: The bounds come from the trapezoids of the 1-5 template on square cells, from the frusta of the
+#: 1-7 template on cubic cells (paper: Anti-aliasing), and from the balls on the sides of the grid.
+PINCH_TEMPLATES = Scheme(
+    "pinch templates", {2: math.sqrt(2) / 2, 3: 1 / math.sqrt(3)}, on_sides=0.39
+)

@@ -17,7 +17,7 @@ faces stays whole.  Faces on the sides of the grid are refined at balls only, se
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -25,6 +25,7 @@ import numpy as np
 from tusqh.contacts.ball_elements import Balls, RingEnd, ring_end
 from tusqh.contacts.decided import Labels
 from tusqh.contacts.emitter import Emitted, Emitter
+from tusqh.contacts.octants import BITS
 from tusqh.contacts.side_balls import (
     INSET_ON_SIDE,
     SMALL_ON_SIDE,
@@ -38,7 +39,7 @@ from tusqh.contacts.stick_field import Field
 from tusqh.grid import HEX_CORNERS, BackgroundGrid, BoolArray, IntArray
 from tusqh.grid.numbering import FACES
 from tusqh.meshes.facets import HEX_FACETS
-from tusqh.meshes.volume_mesh import CONNECTING, GRID_CELL, INNER_CELL, SEPARATING
+from tusqh.meshes.volume_mesh import CONNECTING, GRID_CELL, INNER_CELL, SEPARATING, SIDE_BALL
 
 #: Distance of the small quad from the edges of its face, in cells.  On cubic cells the scaled
 #: Jacobian of rings is at least 2/3, that of centres 0.9.
@@ -127,7 +128,19 @@ def emit_spatial(
         _emit_others(emitter, balls, others, corners[:, of_frustum], slots)
     for axis, found in enumerate(faces):
         _emit_refined(emitter, balls, axis, found)
-    return emitter.finish(name)
+    return _name_side_balls(emitter.finish(name), decision.field, grid)
+
+
+def _name_side_balls(emitted: Emitted, field: Field, grid: BackgroundGrid) -> Emitted:
+    """Give the templates in the cells around a ball on a side of the grid a kind of their own."""
+    around = np.flatnonzero(field.has_ball)[:, None] + (BITS - 1) @ field.steps
+    around = around[~field.inside[around].all(axis=1)]
+    cells = np.unravel_index(around.ravel(), tuple(n + 1 for n in grid.shape))
+    mesh = emitted.mesh
+    is_there = np.isin(mesh.grid_cell, np.ravel_multi_index(cells, grid.shape))
+    is_template = (mesh.kind == SEPARATING) | (mesh.kind == CONNECTING)
+    kind = np.where(is_there & is_template, SIDE_BALL, mesh.kind)
+    return emitted._replace(mesh=replace(mesh, kind=kind))
 
 
 class _Others(NamedTuple):

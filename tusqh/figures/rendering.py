@@ -12,11 +12,16 @@ from tusqh.figures import style
 from tusqh.geometry.image import Image
 from tusqh.geometry.soup import Soup
 from tusqh.grid import FloatArray, IntArray
-from tusqh.meshes.volume_mesh import BRIDGE, CONNECTING, SEPARATING, VolumeMesh
+from tusqh.meshes.volume_mesh import BRIDGE, CONNECTING, SEPARATING, SIDE_BALL, VolumeMesh
 from tusqh.quality.system_libraries import check_rendering
 
 #: Colours by `VolumeMesh.kind`.
-_COLOURS = {SEPARATING: style.SEPARATING, CONNECTING: style.CONNECTING, BRIDGE: style.BRIDGE}
+_COLOURS = {
+    SEPARATING: style.SEPARATING,
+    CONNECTING: style.CONNECTING,
+    BRIDGE: style.BRIDGE,
+    SIDE_BALL: style.CONNECTING,
+}
 
 #: Direction from the centre of the model to the camera.
 VIEW = (1.0, -1.6, 0.9)

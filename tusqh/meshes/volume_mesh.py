@@ -17,8 +17,15 @@ from tusqh.meshes.mfem_mesh import to_mfem
 __all__ = ["VolumeMesh"]
 
 #: The kinds of element, indexed by `VolumeMesh.kind`.
-KINDS = ("grid cell", "inner cell", "separating template", "connecting template", "bridge")
-GRID_CELL, INNER_CELL, SEPARATING, CONNECTING, BRIDGE = range(5)
+KINDS = (
+    "grid cell",
+    "inner cell",
+    "separating template",
+    "connecting template",
+    "bridge",
+    "ball on a side",
+)
+GRID_CELL, INNER_CELL, SEPARATING, CONNECTING, BRIDGE, SIDE_BALL = range(6)
 
 
 @dataclass(frozen=True)

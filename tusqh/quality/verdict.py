@@ -57,7 +57,7 @@ def judge_mesh(
         return own
     return [
         *own,
-        _vtk_jacobian(element_metrics, scheme, mesh.dim),
+        _vtk_jacobian(element_metrics, scheme, mesh),
         _matrix_components(mesh, predicted),
         *judge_surface(mesh, predicted),
     ]
@@ -95,7 +95,7 @@ def judge_alone(
             "smallest scaled Jacobian",
             measured.smallest_scaled_jacobian,
             scheme,
-            dim=mesh.dim,
+            mesh=mesh,
         ),
         _overlap(mesh),
         *(_not_run(program, skipped) for program in _OTHERS if skipped),
@@ -205,18 +205,18 @@ def describe_contacts(facts: Mapping[str, Any]) -> str:
     return count + (f", {facts['overruled']:,} of them overruled" if facts["overruled"] else "")
 
 
-def _vtk_jacobian(metrics: pd.DataFrame | None, scheme: Scheme, dim: int) -> Check:
+def _vtk_jacobian(metrics: pd.DataFrame | None, scheme: Scheme, mesh: VolumeMesh) -> Check:
     identifier, name = "scaled_jacobian_vtk", "smallest scaled Jacobian by VTK"
     if metrics is None:
         return Check(
             id=identifier,
             name=name,
             found="not run: VTK is not installed",
-            required=f">= {scheme.bounds[dim]:.6f}",
+            required=f">= {scheme.bound_of(mesh):.6f}",
             holds=None,
         )
     smallest = float(metrics["scaled_jacobian"].min(skipna=False))
-    return _within(identifier, name, smallest, scheme, dim=dim)
+    return _within(identifier, name, smallest, scheme, mesh=mesh)
 
 
 def _matrix_components(mesh: VolumeMesh, predicted: BettiNumbers) -> Check:
@@ -259,11 +259,11 @@ def _equal(identifier: str, name: str, found: object, required: object) -> Check
     )
 
 
-def _within(identifier: str, name: str, found: float, scheme: Scheme, *, dim: int) -> Check:
+def _within(identifier: str, name: str, found: float, scheme: Scheme, *, mesh: VolumeMesh) -> Check:
     return Check(
         id=identifier,
         name=name,
         found=f"{found:.6f}",
-        required=f">= {scheme.bounds[dim]:.6f}",
-        holds=scheme.allows(found, dim),
+        required=f">= {scheme.bound_of(mesh):.6f}",
+        holds=scheme.allows(found, mesh),
     )

@@ -59,5 +59,5 @@ def verify_mesh(
         "min_scaled_jacobian": round(smallest, 9),
         "holds": measured.is_sound
         and measured.has_topology(cells.predicted)
-        and scheme.allows(smallest, mesh.dim),
+        and scheme.allows(smallest, mesh),
     }

@@ -83,7 +83,9 @@ function cellMaterial(shape) {
 
 /** Return the material of elements: a place, a kind and a quality for each corner. */
 function elementMaterial() {
-  const kinds = [COLOURS.material, COLOURS.inner, COLOURS.separating, COLOURS.connecting, COLOURS.bridge];
+  // In the order of KINDS in tusqh/meshes/volume_mesh.py; balls on sides look as other balls do.
+  const { material, inner, separating, connecting, bridge } = COLOURS;
+  const kinds = [material, inner, separating, connecting, bridge, connecting];
   return new THREE.ShaderMaterial({
     glslVersion: THREE.GLSL3,
     uniforms: {
@@ -95,7 +97,7 @@ function elementMaterial() {
       in vec3 place;
       in float kind;
       in float quality;
-      uniform vec3 kinds[5];
+      uniform vec3 kinds[6];
       uniform float byQuality;
       out vec2 at;
       out vec3 place3;

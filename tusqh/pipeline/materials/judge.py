@@ -53,7 +53,7 @@ def judge_materials(
         Betti numbers that every material and all together must have; None: those by the Euler
         characteristic, with which the other method must agree.
     """
-    smallest, bound = mesh.measurement.smallest_scaled_jacobian, PINCH_TEMPLATES.bounds[mesh.dim]
+    smallest, bound = mesh.measurement.smallest_scaled_jacobian, PINCH_TEMPLATES.bound_of(mesh)
     checks = [
         *mesh.measurement.checks,
         Check(
@@ -61,7 +61,7 @@ def judge_materials(
             name="smallest scaled Jacobian",
             found=f"{smallest:.6f}",
             required=f">= {bound:.6f}",
-            holds=PINCH_TEMPLATES.allows(smallest, mesh.dim),
+            holds=PINCH_TEMPLATES.allows(smallest, mesh),
         ),
     ]
     for name, found in measured.items():
