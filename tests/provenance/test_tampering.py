@@ -198,18 +198,23 @@ def test_a_claim_that_changes_its_status_is_caught(checkout):
     assert finding.expected.startswith("holds: ")
 
 
-def test_a_refuted_claim_that_was_accepted_is_not_a_difference(checkout):
+def accept_as_refuted(checkout, name):
+    """Make ``refuted`` the accepted status of a claim that holds."""
     text = (checkout / "workflow/claims.yaml").read_text()
-    claim = text[text.index("- id: quads-are-well-shaped") :]
+    claim = text[text.index(f"- id: {name}") :]
     claim = claim[: claim.index("accepted: holds") + len("accepted: holds")]
-    refuted = claim.replace("expected: 0.7", "expected: 1.7").replace(": holds", ": refuted")
-    checkout.edit("workflow/claims.yaml", claim, refuted)
+    checkout.edit("workflow/claims.yaml", claim, claim.replace(": holds", ": refuted"))
+
+
+def test_a_refuted_claim_that_was_accepted_is_not_a_difference(checkout):
+    accept_as_refuted(checkout, "quads-are-well-shaped")
+    checkout.edit("workflow/claims.yaml", "expected: 0.70710678", "expected: 1.70710678")
     report = checkout.verify()
     assert not [f for f in report.findings if f.file.startswith("claim ")]
 
 
 def test_a_lock_is_refused_while_a_claim_has_another_status(checkout):
-    checkout.edit("workflow/claims.yaml", "accepted: holds", "accepted: refuted")
+    accept_as_refuted(checkout, "prediction-is-measurement")
     succeed(checkout.folder, snakefile=checkout.snakefile, PYTHONPATH=str(checkout.folder))
     with pytest.raises(ProvenanceError, match=r"claim prediction-is-measurement: holds: "):
         require_lockable(checkout.plan(), read_records())
