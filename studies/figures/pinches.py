@@ -92,6 +92,8 @@ def draw_panels(facts: pd.DataFrame, shapes: pd.DataFrame, *, columns: int, titl
         name = fact["panel"]
         betti = rf"$\beta_0$ = {fact['components']}, $\beta_1$ = {fact['holes']}"
         draw_shapes(panel, shapes[shapes["panel"] == name], f"{name}: {betti}")
+    for panel in axes.ravel()[len(facts) :]:
+        panel.set_axis_off()
     figure.legend(
         handles=legend_of(shapes), loc="outside lower center", ncols=7, frameon=False, fontsize=8
     )

@@ -20,7 +20,7 @@ _COLOURS = {
     SEPARATING: style.SEPARATING,
     CONNECTING: style.CONNECTING,
     BRIDGE: style.BRIDGE,
-    SIDE_BALL: style.CONNECTING,
+    SIDE_BALL: style.SEPARATING,
 }
 
 #: Direction from the centre of the model to the camera.

@@ -83,9 +83,10 @@ function cellMaterial(shape) {
 
 /** Return the material of elements: a place, a kind and a quality for each corner. */
 function elementMaterial() {
-  // In the order of KINDS in tusqh/meshes/volume_mesh.py; balls on sides look as other balls do.
+  // In the order of KINDS in tusqh/meshes/volume_mesh.py; templates at balls on sides
+  // look as separating ones do.
   const { material, inner, separating, connecting, bridge } = COLOURS;
-  const kinds = [material, inner, separating, connecting, bridge, connecting];
+  const kinds = [material, inner, separating, connecting, bridge, separating];
   return new THREE.ShaderMaterial({
     glslVersion: THREE.GLSL3,
     uniforms: {
