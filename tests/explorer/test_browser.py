@@ -13,6 +13,7 @@ from tusqh.antialias.cells import CellSets
 from tusqh.explorer.page import make_page
 from tusqh.geometry.image import Image
 from tusqh.grid import BackgroundGrid
+from tusqh.meshes.volume_mesh import KINDS
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.policy import Policy
 from tusqh.topology.persistence import count_alive
@@ -292,9 +293,7 @@ def test_the_final_mesh_has_all_its_facets(opened, subject):
     assert opened.evaluate("explorer.plateau === explorer.plateaus.chosen")
     legend = opened.text("#legend")
     for kind, count in zip(*np.unique(mesh.kind, return_counts=True), strict=True):
-        name = ("grid cell", "inner cell", "separating template", "connecting template", "bridge")[
-            kind
-        ]
+        name = KINDS[kind]
         assert f"{name} ({count:,})" in legend
     opened.page.focus("#slider")
     opened.page.keyboard.press("ArrowLeft")  # A move returns to the cells.

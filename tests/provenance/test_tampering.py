@@ -202,8 +202,8 @@ def accept_as_refuted(checkout, name):
     """Make ``refuted`` the accepted status of a claim that holds."""
     text = (checkout / "workflow/claims.yaml").read_text()
     claim = text[text.index(f"- id: {name}") :]
-    claim = claim[: claim.index("accepted: holds") + len("accepted: holds")]
-    checkout.edit("workflow/claims.yaml", claim, claim.replace(": holds", ": refuted"))
+    claim = claim[: claim.index("accepted: holds")]
+    checkout.edit("workflow/claims.yaml", f"{claim}accepted: holds", f"{claim}accepted: refuted")
 
 
 def test_a_refuted_claim_that_was_accepted_is_not_a_difference(checkout):
