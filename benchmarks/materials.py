@@ -1,8 +1,8 @@
 """From an image of labels to a checked mesh of all grains: ``python -m benchmarks.materials``.
 
-The labels are polycrystals, each voxel that of the nearest of some seeds.  Beside the time stands
-how many grains of the plain voxels are no manifolds, which is what programs write that take voxels
-as they are, and what this mesh has instead.
+The labels are polycrystals, each voxel that of the nearest of some seeds.  The table has the
+time, and the number of grains that are not manifolds in this mesh and in a mesh of the plain
+voxels, which programs write that take voxels as they are.
 """
 
 from __future__ import annotations

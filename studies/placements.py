@@ -90,7 +90,7 @@ def lay_grids(
         Numbers of cells along the longest side of the window or bounding box before the rotation;
         the largest must be a multiple of every other one.
     window
-        Box outside of which there is no material; it turns with the model.
+        Box that turns with the model; everything outside it counts as void.
     sampling
         How the fractions are sampled, except for the number of samples; None: with the defaults.
     """

@@ -80,7 +80,7 @@ def test_the_certificate_is_recomputed(tmp_path):
     certificate.write_text(json.dumps(stored))
     done = CliRunner().invoke(app, ["check", str(mesh)])
     assert done.exit_code == 1
-    # Materials drawn at random for each element are no manifolds.
+    # Materials drawn at random for each element are not manifolds.
     certificate.unlink()
     found = read_vtu(mesh)
     material = np.random.default_rng(0).integers(0, 2, found.n_cells)

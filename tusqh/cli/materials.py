@@ -29,7 +29,7 @@ class Written:
     outputs
         Mesh files to write.
     results
-        Folder for everything that led to the mesh; None: none.
+        Folder for everything that led to the mesh; None: it is not written.
     as_json
         Print JSON instead of tables.
     is_strict

@@ -136,7 +136,7 @@ class Balls:
         return np.asarray(np.unravel_index(vertices, self._shape)[axis] % 2 == 0)
 
     def split_others(self, elements: IntArray, slots: Slots) -> Split:
-        """Return elements that are no rings, split at all balls, see `split_at_balls`.
+        """Return elements other than rings, split at all balls, see `split_at_balls`.
 
         Parameters
         ----------

@@ -144,7 +144,7 @@ def _name_side_balls(emitted: Emitted, field: Field, grid: BackgroundGrid) -> Em
 
 
 class _Others(NamedTuple):
-    """The owners, kinds and materials of elements that are no rings."""
+    """The owners, kinds and materials of elements other than rings."""
 
     owners: IntArray
     kind: int | IntArray

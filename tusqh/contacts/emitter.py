@@ -43,7 +43,7 @@ class Emitter:
     has_inner
         Cells with an inner cell, shape n.
     left_out
-        A material whose elements are left out; None: none is.
+        A material whose elements are left out; None: all materials have elements.
     """
 
     def __init__(

@@ -83,7 +83,7 @@ def fractions_of_surfaces(
     sampling
         How the fractions are sampled; None: with the defaults.  `rule` and `domain` do not matter.
     window
-        Box outside of which there is no material, in model units.
+        Box, in model units; everything outside it counts as void.
     rest
         Name of the material that fills what the surfaces leave of the grid or window; None: that is
         void.

@@ -79,7 +79,7 @@ def _pieces_of_outline(outline: Outline) -> IntArray:
 def _join_cavities(volumes: FloatArray, lower: FloatArray, upper: FloatArray) -> IntArray:
     """Return the number of every piece after joining cavities, those of negative volume.
 
-    If all pieces are negative, the whole geometry is inside out and none is a cavity.
+    If all pieces are negative, the whole geometry is inside out and no piece is a cavity.
     """
     owner = np.arange(len(volumes))
     if (volumes > 0).any():

@@ -80,7 +80,7 @@ class Built:
 
     @property
     def changes(self) -> pd.DataFrame:
-        """The cells that differ from the base, in groups; without a base there are no rows."""
+        """The cells that differ from the base, in groups; an empty table if there is no base."""
         return changes_of(self.resolved.cells)
 
     @property

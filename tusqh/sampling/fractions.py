@@ -125,7 +125,7 @@ def sample_fractions(
     sampling
         How the fractions are sampled; None: with the defaults.
     window
-        Box outside of which there is no material, in model units; samples beyond it count 0.
+        Box, in model units; samples outside it count as void.
     progress
         Called with (samples done, samples in all).
 

@@ -50,7 +50,7 @@ class Lattice:
         samples
             Samples along each side of a cell, an even number.
         window
-            Box outside of which samples do not count, in model units.
+            Box, in model units; samples outside it count as void.
 
         Examples
         --------

@@ -44,7 +44,7 @@ class Reference:
     is_outside
         Whether the material lies outside the geometry.
     window
-        Box outside of which there is no material, in model units.
+        Box, in model units; everything outside it counts as void.
     """
 
     volume: float
@@ -78,7 +78,7 @@ def find_reference(
     sampling
         How they were sampled; None: with the defaults.
     window
-        Box outside of which there is no material, in model units.
+        Box, in model units; everything outside it counts as void.
 
     Examples
     --------
