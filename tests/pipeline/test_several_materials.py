@@ -114,7 +114,7 @@ WRONG = [
     (LABELS, {"materials": "cells"}, ConfigError, "found 'cells'"),
     (LABELS, {"materials": {}, "threshold": 0.4}, ConfigError, "goal together with several"),
     (LABELS, {"materials": {}, "rule": "clamped"}, ConfigError, "rule together with several"),
-    (LABELS * 0.5, {"materials": {}}, GeometryError, "2 of 4 voxels are no whole numbers"),
+    (LABELS * 0.5, {"materials": {}}, GeometryError, "2 of 4 voxels are not whole numbers"),
     (np.arange(41_000 * 2).reshape(41_000, 2), {"materials": {}, "cells": 41_000}, SamplingError,
      "81999 labels"),
     ([box((0, 0, 0), (1, 1, 1)), LABELS[None]], {}, GeometryError, "an image as one of several"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tusqh.contacts.material_fractions import MaterialFractions
-from tusqh.errors import SamplingError
 from tusqh.grid import BackgroundGrid
-from tusqh.sampling.io import write_arrays
+from tusqh.sampling.io import reading_arrays, write_arrays
 
 
 def save_materials(path: Path, fractions: MaterialFractions) -> None:
@@ -49,19 +47,12 @@ def load_materials(path: Path) -> MaterialFractions:
     SamplingError
         The file is missing, or `save_materials` did not write it.
     """
-    try:
-        with np.load(path) as content:
-            return MaterialFractions(
-                grid=BackgroundGrid.from_dict(json.loads(str(content["grid"]))),
-                names=tuple(json.loads(str(content["names"]))),
-                start=content["start"].astype(np.int64),
-                material=content["material"].astype(np.int32),
-                multiple=content["multiple"].astype(np.int32),
-            )
-    except (OSError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as reason:
-        raise SamplingError(
-            f"cannot be read as fractions of several materials: {reason}",
-            where=str(path),
-            expected="a file that was written together with the mesh",
-            remedy="mesh the materials again",
-        ) from reason
+    what = "fractions of several materials"
+    with reading_arrays(path, what, "mesh the materials again") as content:
+        return MaterialFractions(
+            grid=BackgroundGrid.from_dict(json.loads(str(content["grid"]))),
+            names=tuple(json.loads(str(content["names"]))),
+            start=content["start"].astype(np.int64),
+            material=content["material"].astype(np.int32),
+            multiple=content["multiple"].astype(np.int32),
+        )

@@ -110,7 +110,7 @@ def _name(labels: list[int], names: dict[int, str], *, is_filled: bool) -> list[
             len(labels) > MOST_LABELS,
             f"{len(labels)} labels",
             f"at most {MOST_LABELS:,}",
-            "merge small regions, or mesh the image as grey values if these are no labels",
+            "merge small regions, or mesh the image as grey values if they are not labels",
         ),
         (
             bool(missing),

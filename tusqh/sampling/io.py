@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.lib.npyio import NpzFile
 from numpy.typing import NDArray
 
 from tusqh.atomic import replacing
@@ -74,21 +76,43 @@ def load_fractions(path: Path) -> VolumeFractions:
     SamplingError
         The file is missing, or `save_fractions` did not write it.
     """
+    with reading_arrays(path, "volume fractions", "run the sample step again") as content:
+        placement = None
+        if "placement" in content:
+            placement = Placement.from_dict(json.loads(str(content["placement"])))
+        return VolumeFractions(
+            grid=BackgroundGrid.from_dict(json.loads(str(content["grid"]))),
+            samples=int(content["samples"]),
+            multiples=content["multiples"].astype(np.int32),
+            placement=placement,
+        )
+
+
+@contextmanager
+def reading_arrays(path: Path, what: str, remedy: str) -> Iterator[NpzFile]:
+    """Open an npz file, and turn every failure to read it into an error that names it.
+
+    Parameters
+    ----------
+    path
+        The npz file.
+    what
+        What it should hold, for the message.
+    remedy
+        How to make the file again.
+
+    Raises
+    ------
+    SamplingError
+        The file is missing, or its arrays are not those that are read.
+    """
     try:
         with np.load(path) as content:
-            placement = None
-            if "placement" in content:
-                placement = Placement.from_dict(json.loads(str(content["placement"])))
-            return VolumeFractions(
-                grid=BackgroundGrid.from_dict(json.loads(str(content["grid"]))),
-                samples=int(content["samples"]),
-                multiples=content["multiples"].astype(np.int32),
-                placement=placement,
-            )
+            yield content
     except (OSError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as reason:
         raise SamplingError(
-            f"cannot be read as volume fractions: {reason}",
+            f"cannot be read as {what}: {reason}",
             where=str(path),
-            expected="a file written by the sample step",
-            remedy="run the sample step again",
+            expected=f"{what} that tusqh wrote",
+            remedy=remedy,
         ) from reason

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -82,14 +81,13 @@ class Plateaus:
         ``raw_betti_*`` of the filtration; `raw_agrees`, whether the filtration and the mesh have
         the same Betti numbers.
         """
-        raw = self._raw
         report = self._progress("plateaus") if self._progress else None
         for index in range(len(self)):
-            self._examine(index, raw[index].tolist())
+            self._examine(index)
             if report is not None:
                 report(index + 1, len(self))
         predicted = self._tabulate(slice(0, len(self)))
-        for name, numbers in zip(BETTI, raw.T, strict=True):
+        for name, numbers in zip(BETTI, self._raw.T, strict=True):
             predicted[f"raw_{name}"] = numbers
         raw_numbers = predicted[[f"raw_{name}" for name in BETTI]].to_numpy()
         predicted["raw_agrees"] = (raw_numbers == predicted[BETTI].to_numpy()).all(axis=1)
@@ -129,18 +127,18 @@ class Plateaus:
         row = self._examine(index)
         return (row["cells"] > 0, *(row[name] for name in BETTI))
 
-    def _examine(self, index: int, raw: Sequence[int] | None = None) -> dict[str, float]:
+    def _examine(self, index: int) -> dict[str, float]:
         """Return the prediction for one plateau.
 
-        Every contact follows its vote, so the numbers are those of the filtration (`raw`, counted
-        if they are not given) where neither features nor bridges change the cells.
+        Every contact follows its vote, so the numbers are those of the filtration where neither
+        features nor bridges change the cells.
         """
         if index not in self._rows:
             threshold = self._thresholds[index]
-            raw = raw or list(self.cell_sets.topology.betti_at(threshold))
+            raw = self._raw[index].tolist()
             if self.cell_sets.follows_filtration(raw[0]):
                 n_cells, n_contacts = self._counts[index].tolist()
-                changes, betti = (0, 0, 0), list(raw)
+                changes, betti = (0, 0, 0), raw
             else:
                 cells = self.cell_sets.at(threshold)
                 n_cells, n_contacts = int(cells.kept.sum()), cells.n_contacts

@@ -67,7 +67,7 @@ def gather(source: Any, wishes: Sequence[Material], image: Voxels | None = None)
     ConfigError
         A material does not exist, or it is unclear where it comes from.
     GeometryError
-        A file cannot be read, or an image has voxels that are no labels.
+        A file cannot be read, or an image has voxels that are not labels.
     """
     if isinstance(source, (list, tuple, Mapping)) and not is_pair(source):
         named = source if isinstance(source, Mapping) else _name_by_file(source)
@@ -215,7 +215,7 @@ def _require_labels(image: Image) -> NDArray[np.integer]:
     if labels is None:
         is_between = image.voxels != np.rint(image.voxels)
         raise GeometryError(
-            f"{int(is_between.sum()):,} of {image.voxels.size:,} voxels are no whole numbers"
+            f"{int(is_between.sum()):,} of {image.voxels.size:,} voxels are not whole numbers"
             if is_between.any()
             else "voxels that are fractions between 0 and 1, or far too large for labels",
             where=image.name,
