@@ -1,0 +1,95 @@
+"""Distances between the boundary of a mesh and the trusted surface, both ways."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from tusqh.fitting.fitted import DISTANCE_COLUMNS
+from tusqh.fitting.nearest_piece import find_nearest, make_tree
+from tusqh.fitting.target import Target, to_cells
+from tusqh.grid import BoolArray, FloatArray
+from tusqh.meshes.element_mesh import ElementMesh
+
+
+def measure_distances(
+    mesh: ElementMesh, target: Target, is_owned: BoolArray | None = None
+) -> pd.DataFrame:
+    """Return the distances from the boundary to the surface and back.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    target
+        The surface.
+    is_owned
+        Boundary facets, in the order of `mesh.facets.boundary`, that should lie on the surface;
+        None: all that are not on the sides of the target's box.
+
+    Returns
+    -------
+    distances
+        See `tusqh.fitting.fitted.Fitted`.
+    """
+    points = to_cells(mesh.points, target.grid)
+    facets = mesh.facets.boundary
+    is_side = on_sides(points[facets], target).any(axis=1)
+    owned = facets[~is_side if is_owned is None else is_owned]
+    surface = make_tree(_in_space(target.pieces))
+    boundary = make_tree(_in_space(_triangles(points[facets])))
+    at_vertices = find_nearest(surface, _pad(points[np.unique(owned)])).distance
+    at_faces = find_nearest(surface, _pad(points[owned].mean(axis=1))).distance
+    back = find_nearest(boundary, _pad(target.points)).distance
+    rows = []
+    for direction, at, values in (
+        ("boundary", "vertices", at_vertices),
+        ("boundary", "faces", at_faces),
+        ("surface", "samples", back),
+    ):
+        values = values[np.isfinite(values)]
+        for unit, scale in (("cells", 1.0), ("model", target.grid.cell_size)):
+            numbers = [np.nan] * 3
+            if len(values):
+                numbers = [values.mean(), np.quantile(values, 0.99), values.max()]
+            rows.append((direction, at, len(values), unit, *(scale * n for n in numbers)))
+    return pd.DataFrame(rows, columns=list(DISTANCE_COLUMNS))
+
+
+def on_sides(corners: FloatArray, target: Target) -> BoolArray:
+    """Return on which sides of the target's box facets lie, shape (facets, 2 * dim).
+
+    Parameters
+    ----------
+    corners
+        Corners of the facets, in cells, shape (facets, corners, dim).
+    target
+        The target.
+    """
+    dim = corners.shape[2]
+    if target.sides is None:
+        return np.zeros((len(corners), 2 * dim), dtype=np.bool_)
+    planes = [(axis, side) for axis in range(dim) for side in range(2)]
+    found = [np.abs(corners[:, :, a] - target.sides[s, a]) < 1e-6 for a, s in planes]
+    return np.stack([is_near.all(axis=1) for is_near in found], axis=1)
+
+
+def _triangles(corners: FloatArray) -> FloatArray:
+    """Return the two triangles of every quad, or the segments as they are."""
+    if corners.shape[1] == 2:
+        return corners
+    return np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])
+
+
+def _in_space(corners: FloatArray) -> FloatArray:
+    """Return triangles in space; segments in the plane become degenerate triangles."""
+    if corners.shape[-1] == 3:
+        return corners
+    return _pad(corners[:, [0, 1, 1]])
+
+
+def _pad(points: FloatArray) -> FloatArray:
+    """Return points with three coordinates."""
+    if points.shape[-1] == 3:
+        return points
+    return np.concatenate([points, np.zeros((*points.shape[:-1], 1))], axis=-1)
