@@ -256,6 +256,7 @@ _FIGURES = (
     ResultFile("figure_field", "figures/field.png", "the volume fractions of an outline"),
     ResultFile("figure_thresholds", "figures/thresholds.png", "an outline at three thresholds"),
     ResultFile("figure_panels", "figures/panels.png", "a solid at every threshold of the sweep"),
+    ResultFile("figure_section", "figures/section.png", "sections of the mesh and its geometry"),
     ResultFile("figure_diagram", "figures/diagram.png", "the persistence diagram"),
     ResultFile("figure_curves", "figures/curves.png", "the Betti numbers at every threshold"),
     ResultFile(

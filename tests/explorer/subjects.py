@@ -54,7 +54,7 @@ def make_subject(fractions, policy=None, *, name="noise", threshold=0.5):
     return Subject(
         name=name,
         unit="mm",
-        y_up=False,
+        up="z",
         command=mesh_command(f"{name}.stl", settings, name=name),
         geometry=box_of(fractions.grid),
         fractions=fractions,

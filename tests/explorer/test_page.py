@@ -14,8 +14,9 @@ from tusqh.explorer import assets
 from tusqh.explorer.command import Command, mesh_command
 from tusqh.explorer.files_read import FILES_READ
 from tusqh.explorer.page import make_page, to_script_json
-from tusqh.explorer.subject import read_subject, stands_on_y
+from tusqh.explorer.subject import read_subject
 from tusqh.files import path_of
+from tusqh.geometry.upright import upright_axis
 from tusqh.settings.model import Settings
 
 
@@ -118,13 +119,10 @@ def test_names_are_quoted_for_the_shell():
     assert command.after == "-o '$(x).vtu'"
 
 
-def test_formats_with_y_up():
-    assert [stands_on_y(f"a.{s}") for s in ("obj", "glb", "stl", "svg")] == [
-        True,
-        True,
-        False,
-        False,
-    ]
+def test_the_format_tells_the_upright_axis():
+    axes = [upright_axis(f"a.{suffix}") for suffix in ("obj", "glb", "stl", "svg")]
+    assert axes == ["y", "y", "z", "z"]
+    assert upright_axis("a.obj", "x") == "x"
 
 
 def test_a_folder_without_results_says_what_is_missing(tmp_path):

@@ -48,7 +48,12 @@ def test_eight_thresholds_are_verified(built):
 
 
 def test_figures_exports_and_certificate_are_there(built):
-    for figure in ("ring/figures/panels", "ring/figures/diagram", "ring/figures/temperature"):
+    for figure in (
+        "ring/figures/panels",
+        "ring/figures/section",
+        "ring/figures/diagram",
+        "ring/figures/temperature",
+    ):
         assert is_drawn(built / f"results/{figure}.png"), figure
     assert is_drawn(built / "results/figures/pinches.png")
     for suffix in ("mesh", "msh", "exo", "inp"):

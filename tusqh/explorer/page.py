@@ -48,7 +48,7 @@ def make_page(subject: Subject) -> str:
         "geometry": pack(geometry_arrays(subject.geometry, grid)),
     }
     facts = describe(subject) | {
-        "up": "y" if subject.y_up else "z",
+        "up": subject.up,
         "manifests": {name: packed.manifest for name, packed in blocks.items()},
     }
     three, script = read_three(), read_script()

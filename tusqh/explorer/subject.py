@@ -16,6 +16,7 @@ from tusqh.explorer.files_read import FILES_READ, TABLES_SHOWN
 from tusqh.files import path_of
 from tusqh.geometry.canonical import load_geometry
 from tusqh.geometry.kinds import Geometry
+from tusqh.geometry.upright import Axis, upright_axis
 from tusqh.meshes.export import read_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.sampling.fractions import VolumeFractions
@@ -29,9 +30,6 @@ from tusqh.threshold.selection import Selection
 if TYPE_CHECKING:
     from tusqh.pipeline.result import Result
 
-#: Suffixes of formats whose convention is that y points up.
-_Y_UP = (".obj", ".glb", ".gltf")
-
 
 @dataclass(frozen=True)
 class Subject:
@@ -43,8 +41,8 @@ class Subject:
         Name of the model; any text.
     unit
         Unit of length of its geometry.
-    y_up
-        Whether y points up in the first view of a solid, instead of z.
+    up
+        Axis that points up in the first view of a solid.
     command
         The command that makes its mesh.
     geometry
@@ -67,7 +65,7 @@ class Subject:
 
     name: str
     unit: str
-    y_up: bool
+    up: Axis
     command: Command
     geometry: Geometry
     fractions: VolumeFractions
@@ -79,7 +77,9 @@ class Subject:
     tables: dict[str, pd.DataFrame]
 
 
-def subject_of(result: Result, *, geometry: str, unit: str = "m") -> Subject:
+def subject_of(
+    result: Result, *, geometry: str, unit: str = "m", up: Axis | None = None
+) -> Subject:
     """Return the explorer's subject for a meshing result.
 
     Parameters
@@ -90,12 +90,14 @@ def subject_of(result: Result, *, geometry: str, unit: str = "m") -> Subject:
         The geometry file, for the command.
     unit
         Its unit of length.
+    up
+        Axis that points up; None: as the format has it.
     """
     cells = result.built.resolved.cells
     return Subject(
         name=result.name,
         unit=unit,
-        y_up=stands_on_y(geometry),
+        up=upright_axis(geometry, up),
         command=mesh_command(geometry, result.settings, name=result.name),
         geometry=result.geometry,
         fractions=result.fractions,
@@ -119,6 +121,7 @@ def read_subject(
     *,
     geometry: str | None = None,
     unit: str = "m",
+    up: Axis | None = None,
     settings: Settings | None = None,
 ) -> Subject:
     """Return the subject in a result folder, which has the model's name.
@@ -131,6 +134,8 @@ def read_subject(
         The geometry file, for the command; None: the name that the folder records.
     unit
         Its unit of length.
+    up
+        Axis that points up; None: as the format has it.
     settings
         How the model is meshed; None: the settings that the folder records.
 
@@ -161,7 +166,7 @@ def read_subject(
     return Subject(
         name=name,
         unit=unit,
-        y_up=stands_on_y(file),
+        up=upright_axis(file, up),
         command=command,
         geometry=shape,
         fractions=fractions,
@@ -172,22 +177,6 @@ def read_subject(
         mesh=read_vtu(paths["mesh"], name=name),
         tables={table: pd.read_csv(paths[table]) for table in TABLES_SHOWN},
     )
-
-
-def stands_on_y(geometry: str) -> bool:
-    """Return whether y points up in the format of a geometry file.
-
-    Parameters
-    ----------
-    geometry
-        Name of the geometry file, or its path.
-
-    Examples
-    --------
-    >>> stands_on_y("bunny.OBJ"), stands_on_y("part.stl")
-    (True, False)
-    """
-    return geometry.lower().endswith(_Y_UP)
 
 
 def _known(chosen: Mapping[str, Any], fractions: VolumeFractions) -> Settings:

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from tusqh.figures import style
-from tusqh.figures.rendering import polydata_of, render, show, surface_of
+from tusqh.figures.rendering import EDGES, polydata_of, render, show, surface_of
 from tusqh.geometry.image import Image
 from tusqh.geometry.soup import Soup
+from tusqh.geometry.upright import Axis
 from tusqh.meshes.volume_mesh import VolumeMesh
+
+#: The edges of more elements than this would hide their colours.
+_EDGES_BELOW = 60_000
 
 
 def draw_panels(
@@ -20,6 +25,8 @@ def draw_panels(
     thresholds: Sequence[float],
     *,
     name: str,
+    unit: str,
+    up: Axis = "z",
 ) -> Figure:
     """Return a figure of the model and its mesh at every threshold, with measured Betti numbers.
 
@@ -33,17 +40,23 @@ def draw_panels(
         Volume-fraction thresholds, dimensionless.
     name
         The model, for the title.
+    unit
+        Unit of length of the geometry.
+    up
+        Axis that points up.
     """
     n_rows = -(-(len(meshes) + 1) // 3)
     figure, axes = style.new_figure(n_rows, 3, width=10.5, height=3.1 * n_rows + 0.6)
     box = geometry.bounding_box()
     if isinstance(geometry, Soup):
-        size = f"{len(geometry.triangles)} triangles"
+        size = f"{len(geometry.triangles):,} triangles"
     else:
-        size = f"{geometry.voxels.size} voxels"
+        size = f"{geometry.voxels.size:,} voxels"
+    scale, unit = style.length_scale(max(np.subtract(*box[::-1])), unit)
+    sides = " x ".join(f"{side / scale:.3g}" for side in np.subtract(*box[::-1]))
     panels = axes.ravel()
-    picture = render(polydata_of(geometry), box, color="#d9c9a3")
-    show(panels[0], picture, f"the model: {size}")
+    picture = render(polydata_of(geometry), box, up=up, color="#d9c9a3")
+    show(panels[0], picture, f"the model: {size}, {sides} {unit}")
     for panel, mesh, threshold in zip(panels[1:], meshes, thresholds, strict=False):
         title = f"threshold {threshold:g}: "
         if mesh is None:
@@ -55,11 +68,10 @@ def draw_panels(
         picture = render(
             surface_of(mesh),
             box,
+            up=up,
             scalars="rgb",
             rgb=True,
-            show_edges=mesh.n_cells < 30_000,
-            edge_color="#406070",
-            line_width=0.5,
+            **(EDGES if mesh.n_cells < _EDGES_BELOW else {}),
         )
         show(panel, picture, title + numbers)
     for panel in panels[len(meshes) + 1 :]:

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from tusqh.figures import style
 from tusqh.geometry.image import Image
 from tusqh.geometry.soup import Soup
+from tusqh.geometry.upright import Axis
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.volume_mesh import BRIDGE, CONNECTING, SEPARATING, SIDE_BALL, VolumeMesh
 from tusqh.quality.system_libraries import check_rendering
@@ -23,8 +24,39 @@ _COLOURS = {
     SIDE_BALL: style.SEPARATING,
 }
 
-#: Direction from the centre of the model to the camera.
-VIEW = (1.0, -1.6, 0.9)
+#: Direction from the centre of the model to the camera: to the right, to the front, upwards.
+VIEW = (1.0, 1.6, 0.9)
+
+#: Directions to the right, to the front and upwards, by the axis that points up.
+_FRAMES = {
+    "x": ((0, 1, 0), (0, 0, -1), (1, 0, 0)),
+    "y": ((1, 0, 0), (0, 0, 1), (0, 1, 0)),
+    "z": ((1, 0, 0), (0, -1, 0), (0, 0, 1)),
+}
+
+#: Look of the elements' edges: light enough for the colour of the elements to be seen.
+EDGES: dict[str, Any] = {"show_edges": True, "edge_color": style.ELEMENT_EDGE, "line_width": 1}
+
+#: Light from all directions and from one lamp, so that sides in the shade keep their colour.
+_LIGHT = {"ambient": 0.5, "diffuse": 0.55, "specular": 0.0}
+
+#: Direction from the centre of the model to the lamp: to the right, to the front, upwards.
+_LAMP = (-0.3, 0.75, 1.0)
+
+
+def grid_of(mesh: VolumeMesh) -> Any:
+    """Return a hex mesh as a pyvista grid with its kinds of elements in ``kind``.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    """
+    import pyvista
+
+    grid = pyvista.UnstructuredGrid({12: mesh.cells}, mesh.points)
+    grid.cell_data["kind"] = mesh.kind
+    return grid
 
 
 def surface_of(mesh: VolumeMesh) -> Any:
@@ -35,10 +67,9 @@ def surface_of(mesh: VolumeMesh) -> Any:
     mesh
         The mesh.
     """
-    import pyvista
     from matplotlib.colors import to_rgb
 
-    grid = pyvista.UnstructuredGrid({12: mesh.cells}, mesh.points)
+    grid = grid_of(mesh)
     colours = np.tile(to_rgb(style.MATERIAL), (mesh.n_cells, 1))
     for kind, colour in _COLOURS.items():
         colours[mesh.kind == kind] = to_rgb(colour)
@@ -92,7 +123,9 @@ def field_on(points: FloatArray, cells: IntArray, field: FloatArray, origin: Flo
     return half.extract_surface(pass_pointid=False, pass_cellid=False, algorithm=None)
 
 
-def render(surface: Any, box: Any, *, size: tuple[int, int] = (640, 560), **look: Any) -> Any:
+def render(
+    surface: Any, box: Any, *, up: Axis = "z", size: tuple[int, int] = (960, 840), **look: Any
+) -> Any:
     """Return a picture of a surface on a white background, shape (height, width, 3), uint8.
 
     Parameters
@@ -101,6 +134,8 @@ def render(surface: Any, box: Any, *, size: tuple[int, int] = (640, 560), **look
         A pyvista surface.
     box
         Lowest and highest corner of the box that the camera frames.
+    up
+        Axis that points up.
     size
         Width and height in pixels.
     **look
@@ -114,19 +149,23 @@ def render(surface: Any, box: Any, *, size: tuple[int, int] = (640, 560), **look
     import pyvista
 
     check_rendering()
-    plotter: Any = pyvista.Plotter(off_screen=True, window_size=list(size))
+    plotter: Any = pyvista.Plotter(off_screen=True, window_size=list(size), lighting="none")
     plotter.set_background("white")
     if surface.n_cells:
-        plotter.add_mesh(surface, show_scalar_bar=False, **look)
+        plotter.add_mesh(surface, show_scalar_bar=False, **(_LIGHT | look))
     low, high = np.asarray(box[0]), np.asarray(box[1])
     centre, extent = (low + high) / 2, float(np.linalg.norm(high - low))
-    towards = np.array(VIEW) / np.linalg.norm(VIEW)
-    right = np.cross((0.0, 0.0, 1.0), towards)
+    towards = np.array(VIEW) @ np.array(_FRAMES[up]) / np.linalg.norm(VIEW)
+    upwards = _FRAMES[up][2]
+    plotter.add_light(
+        pyvista.Light(position=np.array(_LAMP) @ np.array(_FRAMES[up]), light_type="scene light")
+    )
+    right = np.cross(upwards, towards)
     right /= np.linalg.norm(right)
     # Use the smallest view that contains the box.
     corners = np.array(list(itertools.product(*np.stack([low, high], axis=1)))) - centre
     wide, tall = (np.abs(corners @ axis).max() for axis in (right, np.cross(towards, right)))
-    plotter.camera_position = [centre + 3 * extent * towards, centre, (0, 0, 1)]
+    plotter.camera_position = [centre + 3 * extent * towards, centre, upwards]
     plotter.camera.parallel_projection = True
     plotter.camera.parallel_scale = 1.04 * max(tall, wide * size[1] / size[0])
     plotter.renderer.ResetCameraClippingRange()

@@ -24,6 +24,9 @@ MATERIAL = "#a9d6ee"
 REMOVED = "#222222"
 FILLED = "#5b8db8"
 OUTLINE = "#888888"
+#: Edges of elements, and the geometry over them in a section.
+ELEMENT_EDGE = "#6f93a6"
+SECTION = "#b3262e"
 CONNECTING = PALETTE[3]
 SEPARATING = PALETTE[2]
 BRIDGE = PALETTE[1]

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from tusqh.figures import style
 from tusqh.figures.rendering import field_on, render, show
+from tusqh.geometry.upright import Axis
 from tusqh.grid import FloatArray, IntArray
 
 #: Number of powers of ten, below the largest value, on the colour scale.
@@ -25,6 +26,7 @@ def draw_temperature(
     table: pd.DataFrame,
     *,
     name: str,
+    up: Axis = "z",
 ) -> Figure:
     """Return a figure with one panel per snapshot and a common logarithmic colour scale.
 
@@ -40,6 +42,8 @@ def draw_temperature(
         One row per snapshot with the columns time_s and concentration_unit.
     name
         The model, for the title.
+    up
+        Axis that points up.
     """
     figure, axes = style.new_figure(2, 3, width=10.5, height=6.4)
     largest = float(fields[0].max())
@@ -51,7 +55,9 @@ def draw_temperature(
     for panel, field, seconds in zip(axes.ravel(), fields, times, strict=True):
         surface = field_on(points, cells, np.log10(np.clip(field, smallest, largest)), origin)
         limits = [np.log10(smallest), np.log10(largest)]
-        picture = render(surface, box, scalars="field", clim=limits, cmap="inferno", lighting=False)
+        picture = render(
+            surface, box, up=up, scalars="field", clim=limits, cmap="inferno", lighting=False
+        )
         show(panel, picture, style.duration(seconds))
     mappable = ScalarMappable(norm=norm, cmap="inferno")
     bar = figure.colorbar(mappable, ax=axes, shrink=0.6, extend="min")

@@ -95,6 +95,12 @@ class Model(Section):
         default="m",
         metavar="NAME",
     )
+    up: Literal["x", "y", "z"] | None = setting(
+        "3D: axis that points up in figures and in the explorer.",
+        default=None,
+        otherwise="`y` for OBJ and glTF, `z` for other formats",
+        kinds=("surface", "image"),
+    )
     settings: Settings = setting("How it is meshed.", default=Settings, is_inline=True)
     panels: tuple[float, ...] = setting(
         "2D: thresholds of the three panels of the threshold figure.",

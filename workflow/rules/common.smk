@@ -30,7 +30,7 @@ from studies.pictures import picture_name
 
 FIGURES = {
     2: ["field", "thresholds", "diagram", "curves", "antialias", "contaminant"],
-    3: ["panels", "diagram", "curves", "temperature"],
+    3: ["panels", "section", "diagram", "curves", "temperature"],
 }
 THEORY = expand(
     "results/figures/{figure}.png",

@@ -9,6 +9,7 @@ rule explorer:
     params:
         geometry=settings_of("geometry"),
         unit=settings_of("unit"),
+        up=settings_of("up"),
         settings=settings_of("settings"),
     priority: MODELS_FIRST
     script:

@@ -25,13 +25,17 @@ rule figures_of_outline:
 
 rule figures_of_solid:
     input:
-        **files("geometry", "verification", "amount"),
+        **files("geometry", "mesh", "verification", "amount"),
         meshes=sweep_meshes(3),
         snapshots=snapshots(),
     output:
-        **shown("figure_panels", "figure_temperature"),
+        **shown("figure_panels", "figure_section", "figure_temperature"),
     wildcard_constraints:
         model=any_of(3),
+    params:
+        geometry=settings_of("geometry"),
+        unit=settings_of("unit"),
+        up=settings_of("up"),
     script:
         "../scripts/figures_of_solid.py"
 

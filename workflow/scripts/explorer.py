@@ -12,6 +12,7 @@ with recorded(snakemake) as log:
         page.parent,
         geometry=snakemake.params.geometry,
         unit=snakemake.params.unit,
+        up=snakemake.params.up,
         settings=Settings.from_dict(snakemake.params.settings),
     )
     text = make_page(subject)

@@ -70,7 +70,7 @@ class Axes {
   drawBox({ context }) {
     const { shape } = this.grid;
     const middle = this.stage.project(shape.map((n) => n / 2));
-    const upright = this.stage.up === 'y' ? 1 : 2;
+    const upright = ['x', 'y', 'z'].indexOf(this.stage.up);
     for (const axis of [0, 1, 2]) {
       const [u, v] = [0, 1, 2].filter((a) => a !== axis);
       let best = null;

@@ -112,7 +112,7 @@ class Explorer {
     const label = () => { up.textContent = `up: ${this.stage ? this.stage.up : 'z'}`; };
     up.addEventListener('click', () => {
       if (!this.stage) return;
-      this.stage.up = this.stage.up === 'z' ? 'y' : 'z';
+      this.stage.up = { z: 'y', y: 'x', x: 'z' }[this.stage.up];
       this.stage.look('oblique');
       label();
     });

@@ -69,11 +69,13 @@ class Stage {
 
   /** Look from a side ("x", "y", "z", "oblique") at the whole grid, or fit it as it is seen. */
   look(from) {
-    const up = this.isFlat ? [0, 1, 0] : this.up === 'y' ? [0, 1, 0] : [0, 0, 1];
+    const up = this.isFlat ? [0, 1, 0] : ['x', 'y', 'z'].map((axis) => Number(axis === this.up));
     const sides = { x: [1, 0, 0], y: [0, -1, 0], z: [0, 0, 1], oblique: OBLIQUE };
     let towards = new THREE.Vector3(...(this.isFlat ? [0, 0, 1] : sides[from] || [0, 0, 0]));
-    if (!this.isFlat && this.up === 'y' && from !== 'fit') {
-      towards = new THREE.Vector3(towards.x, towards.z, -towards.y); // Turned about x.
+    if (!this.isFlat && from !== 'fit') {
+      const { x, y, z } = towards;
+      if (this.up === 'y') towards.set(x, z, -y); // Turned about x.
+      if (this.up === 'x') towards.set(z, x, y); // Turned about the diagonal.
     }
     if (from === 'fit' && !this.isFlat) {
       towards = this.camera.position.clone().sub(this.controls.target);
@@ -81,7 +83,7 @@ class Stage {
     towards.normalize();
     this.camera.up.set(...up);
     if (Math.abs(this.camera.up.dot(towards)) > 0.999) towards.addScaledVector(
-      this.up === 'y' ? new THREE.Vector3(0, 0, 1) : new THREE.Vector3(0, -1, 0), this.isFlat ? 0 : 1e-3,
+      this.up === 'z' ? new THREE.Vector3(0, -1, 0) : new THREE.Vector3(0, 0, 1), this.isFlat ? 0 : 1e-3,
     );
     this.controls.target.copy(this.centre);
     const far = 2 * Math.hypot(...this.shape) + 10;
