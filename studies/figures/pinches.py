@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
@@ -59,7 +61,7 @@ def draw_catalogue(facts: pd.DataFrame, elements: pd.DataFrame) -> Figure:
             kind = np.array([KINDS.index(name) for name in chosen["kind"]])
             points, cells = np.unique(corners.reshape(-1, 3).round(9), axis=0, return_inverse=True)
             mesh = VolumeMesh(points, cells.reshape(-1, 8), kind, kind * 0 - 1)
-            look = {"show_edges": True, "edge_color": "#203040", "line_width": 1.5, "ambient": 0.45}
+            look: dict[str, Any] = {"edge_color": "#203040", "line_width": 1.5, "show_edges": True}
             surface = surface_of(mesh)
             picture = render(surface, _BOX, size=(360, 360), scalars="rgb", rgb=True, **look)
             show(panel, picture, title)

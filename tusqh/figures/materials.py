@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from tusqh.figures import style
-from tusqh.figures.rendering import render, show
+from tusqh.figures.rendering import EDGES, EDGES_BELOW, render, show
 from tusqh.grid import FloatArray
 from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
@@ -73,6 +73,5 @@ def _picture(mesh: VolumeMesh, colours: FloatArray, *, is_cut: bool) -> Any:
     if is_cut:
         grid = grid.clip(normal=(0, -1, 0), origin=(lower + upper) / 2, crinkle=True)
     surface = grid.extract_surface(pass_pointid=False, pass_cellid=False, algorithm=None)
-    has_edges = mesh.n_cells < 60_000
-    look = {"scalars": "rgb", "rgb": True, "show_edges": has_edges, "edge_color": "#404040"}
-    return render(surface, (lower, upper), size=(640, 560), line_width=0.4, ambient=0.4, **look)
+    look: dict[str, Any] = EDGES | {"edge_color": "#606060"} if mesh.n_cells < EDGES_BELOW else {}
+    return render(surface, (lower, upper), scalars="rgb", rgb=True, **look)

@@ -9,14 +9,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from tusqh.figures import style
-from tusqh.figures.rendering import EDGES, polydata_of, render, show, surface_of
+from tusqh.figures.rendering import EDGES, EDGES_BELOW, polydata_of, render, show, surface_of
 from tusqh.geometry.image import Image
 from tusqh.geometry.soup import Soup
 from tusqh.geometry.upright import Axis
 from tusqh.meshes.volume_mesh import VolumeMesh
-
-#: The edges of more elements than this would hide their colours.
-_EDGES_BELOW = 60_000
 
 
 def draw_panels(
@@ -71,7 +68,7 @@ def draw_panels(
             up=up,
             scalars="rgb",
             rgb=True,
-            **(EDGES if mesh.n_cells < _EDGES_BELOW else {}),
+            **(EDGES if mesh.n_cells < EDGES_BELOW else {}),
         )
         show(panel, picture, title + numbers)
     for panel in panels[len(meshes) + 1 :]:

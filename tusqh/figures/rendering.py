@@ -37,6 +37,9 @@ _FRAMES = {
 #: Look of the elements' edges: light enough for the colour of the elements to be seen.
 EDGES: dict[str, Any] = {"show_edges": True, "edge_color": style.ELEMENT_EDGE, "line_width": 1}
 
+#: Edges of more elements than this would hide their colours.
+EDGES_BELOW = 60_000
+
 #: Light from all directions and from one lamp, so that sides in the shade keep their colour.
 _LIGHT = {"ambient": 0.5, "diffuse": 0.55, "specular": 0.0}
 

@@ -15,7 +15,7 @@ from tusqh.figures import style
 from tusqh.figures.rendering import grid_of, polydata_of
 from tusqh.geometry.image import Image
 from tusqh.geometry.soup import Soup
-from tusqh.grid import FloatArray
+from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.volume_mesh import GRID_CELL, VolumeMesh
 
 _AXES = "xyz"
@@ -78,9 +78,9 @@ def _middle_of_a_layer(mesh: VolumeMesh, axis: int) -> float:
 
 def _fill_elements(panel: Axes, section: Any, along: list[int], scale: float) -> None:
     """Draw the cut elements, with templates in a colour of their own."""
-    polygons, colours = [], []
-    kinds = np.asarray(section.cell_data["kind"]) if section.n_cells else []
-    faces, at = np.asarray(section.faces), 0
+    polygons, colours, at = [], [], 0
+    kinds: IntArray = np.asarray(section.cell_data["kind"] if section.n_cells else [], dtype=int)
+    faces = np.asarray(section.faces)
     points = np.asarray(section.points)[:, along] / scale
     for kind in kinds:
         polygons.append(points[faces[at + 1 : at + 1 + faces[at]]])
