@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from filelock import FileLock
 
-from tusqh.compiled import compile_functions, is_compiled
+from tusqh.compiled import compile_functions, is_compiled, write_bytecode
 from tusqh.geometry.outline import Outline
 
 REPOSITORY = Path(__file__).resolve().parent.parent
@@ -28,6 +28,8 @@ def pytest_xdist_auto_num_workers(config):
 def pytest_configure(config):
     """Compile before several workers start, which would all compile the same functions."""
     is_controller = not hasattr(config, "workerinput")
+    if is_controller:
+        write_bytecode(*[REPOSITORY / package for package in ("tusqh", "provenance", "studies")])
     if is_controller and getattr(config.option, "numprocesses", None) and not is_compiled():
         compile_functions()
 

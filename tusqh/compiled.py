@@ -6,6 +6,7 @@ together after an installation would all compile the same functions; here two pr
 
 from __future__ import annotations
 
+import compileall
 import os
 import subprocess
 import sys
@@ -25,6 +26,20 @@ def is_compiled() -> bool:
     return "NUMBA_CACHE_DIR" in os.environ or any(beside.glob("*.nbi"))
 
 
+def write_bytecode(*folders: Path) -> None:
+    """Write the bytecode of modules that changed, also where `PYTHONDONTWRITEBYTECODE` is set.
+
+    Containers set it; every step of the workflow would then compile all modules that it imports.
+
+    Parameters
+    ----------
+    *folders
+        Folders of packages.
+    """
+    for folder in folders:
+        compileall.compile_dir(folder, quiet=1)
+
+
 def compile_functions() -> None:
     """Compile what meshing needs, in two processes.
 
@@ -35,6 +50,7 @@ def compile_functions() -> None:
     subprocess.CalledProcessError
         One of the processes failed, and has printed why.
     """
+    write_bytecode(Path(__file__).parent)
     command = [sys.executable, "-W", "ignore", "-m", "tusqh.compiled"]
     with subprocess.Popen([*command, _SHARES[0]]) as other:
         subprocess.run([*command, _SHARES[1]], check=True)

@@ -1,6 +1,8 @@
 # The validated configuration and the functions that read it; other files do not read it.
 import difflib
 import os
+import shlex
+import subprocess
 import sys
 from pathlib import Path
 
@@ -15,7 +17,7 @@ FOLDERS = [folder for folder in os.environ.get("PYTHONPATH", "").split(os.pathse
 if str(BASE) not in FOLDERS:
     os.environ.update(PYTHONPATH=os.pathsep.join([str(BASE), *FOLDERS]))
 
-from tusqh.compiled import compile_functions, is_compiled
+from tusqh.compiled import compile_functions, is_compiled, write_bytecode
 from tusqh.errors import TusqhError
 from tusqh.files import RESULT_FILES
 from tusqh.geometry.packaged import PACKAGE
@@ -231,3 +233,23 @@ def paper_targets():
         return []
     stability = expand("results/{model}/figures/stability.png", model=MODELS)
     return ["results/page/results.md", *THEORY, *stability]
+
+
+def serves_steps():
+    """Return whether steps are copies of one process with all imports: if there are many."""
+    is_measured = "COVERAGE_PROCESS_START" in os.environ
+    is_main = Path(workflow.main_snakefile).resolve().is_relative_to(BASE)
+    if not (workflow.local_exec and is_main and hasattr(os, "fork")) or is_measured:
+        return False
+    return sum(bool(job.rule.script) for job in workflow.dag.needrun_jobs()) >= 20
+
+
+def serve_steps():
+    """Start that process, and return the command that runs a step in a copy of it."""
+    socket = f".snakemake/steps-{os.getpid()}.socket"
+    folder = BASE / "workflow/steps"
+    one_thread = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
+    command = [sys.executable, os.fspath(folder / "serve.py"), socket]
+    # The process ends when this one does, which closes the pipe.
+    subprocess.Popen(command, stdin=subprocess.PIPE, env=os.environ | one_thread)
+    return shlex.join([sys.executable, "-I", "-S", os.fspath(folder / "start.py"), socket])

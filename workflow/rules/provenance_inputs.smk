@@ -11,7 +11,7 @@ WORKFLOW_FILES = [
     "Snakefile",
     *sorted(
         path.relative_to(BASE).as_posix()
-        for pattern in ("rules/*.smk", "scripts/*.py")
+        for pattern in ("rules/*.smk", "scripts/*.py", "steps/*.py")
         for path in (BASE / "workflow").glob(pattern)
     ),
 ]

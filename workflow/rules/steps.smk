@@ -17,8 +17,15 @@ hint_at_models(sys.argv[1:])
 
 
 onstart:
+    # Snakemake looks for jobs a second after each time that it looked, once more for each job that has
+    # ended, so that a run with many jobs spends minutes on it. On this machine, no limit is needed.
+    if workflow.local_exec:
+        workflow.scheduler.job_rate_limiter = None
+    write_bytecode(*[BASE / package for package in ("tusqh", "provenance", "studies")])
     if not is_compiled():
         logger.info("compiling functions, which only the first run after an installation does (a minute)")
         compile_functions()
     for code_file in sorted(set(CODE_OF_STEP.values())):
         list_code(code_file, base=BASE, folder=Path("results/provenance/code"))
+    if serves_steps():
+        shell.prefix(f"set -euo pipefail; {serve_steps()} ")
