@@ -192,7 +192,7 @@ _MESH_TO_VERDICT = (
         "verdict",
         "verdict.csv",
         "every check of the mesh: found, required, holds",
-        _columns("id name found required holds remedy"),
+        _columns("id material name found required holds remedy"),
     ),
     ResultFile(
         "verification",

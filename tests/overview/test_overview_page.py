@@ -7,9 +7,12 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
+import numpy as np
 import pandas as pd
 import pytest
 
+import tusqh
+from tusqh.overview.materials import read_materials_model
 from tusqh.overview.model import read_model
 from tusqh.overview.page import MAX_ROWS, render_overview
 
@@ -84,6 +87,22 @@ def write_model(
     }
 
 
+def save_grains(folder: Path) -> dict[str, Any]:
+    """Save a mesh of two materials, one of which has a nasty name, and a picture."""
+    image = np.zeros((6, 6, 6), dtype=np.uint8)
+    image[1:5, 1:5, 1:5], image[2:4, 2:4, 2:4] = 1, 2
+    tusqh.mesh(image, materials={1: NASTY, 2: "7"}, name="grains").save(folder)
+    np.save(folder / "a.npy", image)
+    (folder / "p.png").write_bytes(b"")
+    links = {"mesh (VTU)": folder / "mesh.vtu"}
+    return {
+        "folder": folder,
+        "geometries": [str(folder / "a.npy")],
+        "figures": [folder / "p.png"],
+        "links": links,
+    }
+
+
 @pytest.fixture
 def overview(tmp_path):
     """Render a page over models in tmp_path/results and return its parts."""
@@ -96,7 +115,12 @@ def overview(tmp_path):
         pd.DataFrame({"model": [NASTY], "volume": [0.123456789]}).to_csv(summary, index=False)
         text = render_overview(
             page,
-            [read_model(**of_model, register=register) for of_model in files],
+            [
+                (read_model if "geometry" in of_model else read_materials_model)(
+                    **of_model, register=register
+                )
+                for of_model in files
+            ],
             tables={"summary": summary},
             figures={"all pinches": results / "pinches.png"},
             captions={"pinches": f"caption {NASTY}"},
@@ -175,3 +199,37 @@ def test_long_tables_are_cut_and_say_so(overview, tmp_path):
     _, parts = overview(write_model(tmp_path / "results/ring", "ring", n_rows=MAX_ROWS + 5))
     assert f"{MAX_ROWS} of {MAX_ROWS + 5} rows" in parts.text
     assert parts.tags.count("tr") < MAX_ROWS + 20
+
+
+def test_models_of_several_materials_count_and_fail_as_others_do(overview, tmp_path):
+    ring = write_model(tmp_path / "results/ring", "ring")
+    grains = save_grains(tmp_path / "results/grains")
+    page, parts = overview(ring, grains)
+    assert "2 of 2 models" in parts.text
+    for text in (
+        f"2: {NASTY}, 7",
+        "all together have the Betti numbers (1, 0, 0)",
+        "Betti numbers (1, 0, 0) of all together, and 2 of 2 materials as predicted",
+        "64 hexes of 6x6x6 cells",
+        "volume 1.0000 of the volume fractions",
+        "Materials, and all of them together: 3 rows",
+        "(1, 0, 1)",
+        hashlib.sha256(Path(grains["geometries"][0]).read_bytes()).hexdigest(),
+    ):
+        assert text in parts.text, text
+    assert "script" not in parts.tags
+    for link in parts.links + parts.images:
+        target = page.parent / unquote(link)
+        assert link.startswith("#") or target.is_file() or "pinches" in link, link
+    # A failed check of one material is a failure of the model, and the table says of which.
+    verdict = pd.read_csv(tmp_path / "results/grains/verdict.csv", dtype=str)
+    verdict.loc[verdict["id"] == "manifold_7", "holds"] = "no"
+    verdict.to_csv(tmp_path / "results/grains/verdict.csv", index=False)
+    entry = read_materials_model(**grains)
+    assert not entry.holds
+    verdicts = entry.tables["Materials, and all of them together"].set_index("material")["verdict"]
+    assert verdicts.to_dict() == {
+        NASTY: "suitable",
+        "7": "not suitable: 1 check fails",
+        "all": "not suitable: 1 check fails",
+    }

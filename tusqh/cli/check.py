@@ -40,14 +40,14 @@ def check(
     from tusqh.certificate import FILE_NAME
     from tusqh.meshes.export import read_regions, read_vtu
     from tusqh.pipeline.materials.certificate import check_materials
-    from tusqh.quality.verdict import overall, to_table
+    from tusqh.quality.verdict import overall
 
     volume_mesh = read_vtu(mesh)
     certificate = mesh.parent / FILE_NAME
     if read_regions(mesh) is None:
         table = _check_single(mesh, volume_mesh, certificate, all_checks=all_checks)
     else:
-        table = to_table(check_materials(mesh))
+        table = check_materials(mesh, checks="all" if all_checks else None)
     measured = volume_mesh.measurement.by_euler
     show(table, title=f"{mesh.name}: {volume_mesh.n_cells} elements, Betti numbers {measured}")
     verdict = overall(table)
@@ -71,4 +71,5 @@ def _check_single(
         claims += check_certificate(certificate, path, mesh)
         claims += recheck(certificate, mesh)
     checks: Literal["all"] | None = "all" if all_checks else None
-    return judge(mesh, expected, comparison=claims, checks=checks).verdict
+    verdict = judge(mesh, expected, comparison=claims, checks=checks).verdict
+    return verdict.drop(columns="material")

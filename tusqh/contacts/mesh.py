@@ -65,7 +65,8 @@ class MaterialMesh:
         name
             The material.
         """
-        return _take(self.mesh, np.flatnonzero(self.material == self.names.index(name)), name)
+        chosen = np.flatnonzero(self.material == self.names.index(name))
+        return self.mesh.take(chosen, name=name)
 
     def write(self, path: Path) -> None:
         """Write all elements with their materials, see `tusqh.meshes.formats.write_mesh`.
@@ -89,7 +90,7 @@ class MaterialMesh:
         solid = np.flatnonzero(self.material != len(self.names) - 1)
         if len(solid) == len(self.material):
             return RegionMeasurement.of(self.mesh.measurement)
-        return RegionMeasurement.of(_take(self.mesh, solid, self.mesh.name).measurement)
+        return RegionMeasurement.of(self.mesh.take(solid, name=self.mesh.name).measurement)
 
     @property
     def is_as_predicted(self) -> bool:
@@ -184,18 +185,3 @@ def _round_thresholds(names: Sequence[str], thresholds: dict[str, float]) -> Int
     # Round the void's threshold down, so that with t and 1 - t both conditions are equivalent.
     rounded[-1] = int(np.floor(wanted[-1] * FULL))
     return rounded
-
-
-def _take(mesh: VolumeMesh, chosen: IntArray, name: str) -> VolumeMesh:
-    """Return some elements of a mesh and their points."""
-    cells = mesh.cells[chosen]
-    is_used = np.zeros(len(mesh.points), dtype=bool)
-    is_used[cells] = True
-    number = np.cumsum(is_used, dtype=np.int64) - 1
-    return VolumeMesh(
-        points=mesh.points[is_used],
-        cells=number[cells],
-        kind=mesh.kind[chosen],
-        grid_cell=mesh.grid_cell[chosen],
-        name=name,
-    )

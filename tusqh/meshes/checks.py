@@ -53,6 +53,8 @@ class Check:
         Whether the mesh may be used even if the check fails.
     remedy
         What the user can do if the check fails.
+    material
+        The material that was checked; "all" for the mesh as a whole.
     """
 
     id: str
@@ -62,6 +64,7 @@ class Check:
     holds: bool | None
     is_warning: bool = False
     remedy: str = ""
+    material: str = "all"
 
 
 def check_mesh(mesh: ElementMesh) -> list[Check]:

@@ -82,6 +82,36 @@ class VolumeMesh(ElementMesh):
         points = np.asarray(points, dtype=np.float64)
         return cls(points=points, cells=cells, kind=zeros, grid_cell=zeros - 1, name=name)
 
+    def take(self, chosen: IntArray, *, name: str) -> VolumeMesh:
+        """Return some elements as a mesh with its own points.
+
+        Parameters
+        ----------
+        chosen
+            The elements, shape (r,).
+        name
+            Name of their mesh.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> points = np.array([[x, y] for x in range(3) for y in range(2)], dtype=float)
+        >>> two = VolumeMesh.from_arrays(points, [[0, 2, 3, 1], [2, 4, 5, 3]])
+        >>> two.take(np.array([1]), name="right").points.tolist()
+        [[1.0, 0.0], [1.0, 1.0], [2.0, 0.0], [2.0, 1.0]]
+        """
+        cells = self.cells[chosen]
+        is_used = np.zeros(len(self.points), dtype=bool)
+        is_used[cells] = True
+        number = np.cumsum(is_used, dtype=np.int64) - 1
+        return VolumeMesh(
+            points=self.points[is_used],
+            cells=number[cells],
+            kind=self.kind[chosen],
+            grid_cell=self.grid_cell[chosen],
+            name=name,
+        )
+
     def points_in_space(self) -> FloatArray:
         """Return the points with three coordinates, shape (n, 3); in the plane z is 0."""
         points = np.zeros((len(self.points), 3))

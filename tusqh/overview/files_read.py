@@ -18,3 +18,15 @@ LINK_TITLES = {
     "features": "removed and filled",
     "simulation": "simulation (ParaView)",
 }
+
+#: The same files and titles for a model of several materials.
+FILES_READ_OF_MATERIALS = ("certificate", "materials", "pairs", "verdict", "verification")
+LINK_TITLES_OF_MATERIALS = {
+    name: LINK_TITLES[name]
+    for name in ("mesh", "export_mfem", "export_gmsh", "export_exodus", "export_abaqus")
+} | {
+    "certificate": "certificate",
+    "materials": "materials",
+    "pairs": "pairs",
+    "verdict": "all checks",
+}

@@ -121,12 +121,12 @@ def read_model(
         holds=is_suitable and n_holding == len(verification) and bool(certificate["holds"]),
         is_warned=bool((verdict["holds"] == "warning").any()),
         lines=lines,
-        source=_describe_source(certificate, geometry, register),
+        source=describe_source(certificate, [geometry], register),
         tables={
             "Defects of the geometry": tables["defects"],
             "Intervals with the wanted topology": tables["candidates"],
             "Predicted and measured at every threshold": verification,
-            "Checks of the mesh": verdict,
+            "Checks of the mesh": verdict.drop(columns="material", errors="ignore"),
         },
         figures=figures,
         links=links,
@@ -139,11 +139,25 @@ def _describe_reading(reading: dict[str, Any]) -> dict[str, str]:
     return lines_of_reading(reading) | ({"remarks": remarks} if remarks else {})
 
 
-def _describe_source(
-    certificate: dict[str, Any], geometry: str, register: pd.DataFrame | None
+def describe_source(
+    certificate: Mapping[str, Any], geometries: Sequence[str], register: pd.DataFrame | None
 ) -> dict[str, str]:
-    """Return the origin of a model's geometry, and the digests of its fractions and mesh."""
-    source = {"geometry": geometry, "SHA-256 of the geometry": hash_file(locate(geometry))}
+    """Return the origin of a model's geometry, and the digests of its fractions and mesh.
+
+    Parameters
+    ----------
+    certificate
+        The certificate of the model.
+    geometries
+        Its geometry files, as named in the configuration.
+    register
+        The data register, if there is one.
+    """
+    source: dict[str, str] = {}
+    for geometry in geometries:
+        title = "geometry" if len(geometries) == 1 else f"geometry {Path(geometry).name}"
+        digest = hash_file(locate(geometry))
+        source |= {title: geometry, f"SHA-256 of the {title}": digest}
     if register is not None:
         for row in register[register["model"] == certificate["model"]].to_dict("records"):
             source |= {"SHA-256 in the register": str(row["sha256"])}

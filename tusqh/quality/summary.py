@@ -1,4 +1,4 @@
-"""Make the rows of the summary and of the table of verdicts, which have one row per model."""
+"""Make the rows of the summary and of the table of verdicts over all models."""
 
 from __future__ import annotations
 
@@ -33,6 +33,7 @@ def summarise_model(
     found = dict(zip(verdict["id"], verdict["found"], strict=True))
     return {
         "model": facts["model"],
+        "material": "all",
         "grid": facts["grid"],
         "cells": facts["cells_kept"],
         "elements": facts["elements"],
@@ -50,6 +51,81 @@ def summarise_model(
         "min_scaled_jacobian": float(found.get("scaled_jacobian", "nan")),
         "amount_relative_error": float(amount["amount_relative_error"].abs().max()),
         "verdict": overall(verdict),
+    }
+
+
+def summarise_materials(
+    materials: pd.DataFrame,
+    verification: pd.DataFrame,
+    verdict: pd.DataFrame,
+    amount: pd.DataFrame | None = None,
+) -> list[dict[str, Any]]:
+    """Return the rows of the summary for a model of several materials.
+
+    Parameters
+    ----------
+    materials, verification, verdict
+        The tables of the model; the verification has the same rows as the materials.
+    amount
+        The table of the simulation's snapshots; None: the model is not simulated.
+
+    Returns
+    -------
+    rows
+        One for each material, with the verdict on it alone, and one for all together, with the
+        verdict on everything.  The contacts are those of the whole mesh.
+    """
+    error = float("nan") if amount is None else float(amount["amount_relative_error"].abs().max())
+    rows = []
+    for (_, row), (_, verified) in zip(materials.iterrows(), verification.iterrows(), strict=True):
+        is_whole = row["material"] == "all"
+        own = verdict if is_whole else verdict[verdict["material"] == row["material"]]
+        betti = {
+            how: str(tuple(int(row[f"betti_{k}_{how}"]) for k in range(3)))
+            for how in ("predicted", "measured")
+        }
+        rows.append(
+            {
+                "model": verified["model"],
+                "material": str(row["material"]),
+                "grid": verified["grid"],
+                "cells": int(verified["cells_kept"]),
+                "elements": int(row["elements"]),
+                "threshold": row["threshold"],
+                "margin": float("nan"),
+                "betti_predicted": betti["predicted"],
+                "betti_measured": betti["measured"],
+                "contacts": int(verified["contacts"]),
+                "overruled": int(verified["overruled"]),
+                "bridges": 0,
+                "removed_components": 0,
+                "filled_holes": 0,
+                "volume_over_winding": row["volume"] / row["volume_of_geometry"],
+                "winding_over_exact": float("nan"),
+                "min_scaled_jacobian": float(row["min_scaled_jacobian"]),
+                "amount_relative_error": error if is_whole else float("nan"),
+                "verdict": overall(own),
+            }
+        )
+    return rows
+
+
+def facts_of_materials(name: str, materials: pd.DataFrame) -> dict[str, Any]:
+    """Return the facts about all materials of a model together, for `summarise_verdict`.
+
+    Parameters
+    ----------
+    name
+        The model.
+    materials
+        Its table of materials, which has a row for all of them.
+    """
+    (whole,) = materials[materials["material"] == "all"].to_dict("records")
+    return {
+        "model": name,
+        "volume": whole["volume"],
+        "reference_volume": whole["volume_of_geometry"],
+        "reference_source": "the volume fractions of all materials",
     }
 
 

@@ -55,8 +55,24 @@ def judge_mesh(
     own = judge_alone(mesh, predicted, scheme=scheme)
     if not mesh.measurement.is_sound:
         return own
+    return [*own, *judge_by_others(mesh, predicted, element_metrics, scheme=scheme)]
+
+
+def judge_by_others(
+    mesh: VolumeMesh,
+    predicted: BettiNumbers,
+    element_metrics: pd.DataFrame | None,
+    *,
+    scheme: Scheme = PINCH_TEMPLATES,
+) -> list[Check]:
+    """Return the checks of a mesh by VTK, MFEM and pymeshlab.
+
+    Parameters
+    ----------
+    mesh, predicted, element_metrics, scheme
+        See `judge_mesh`; our own checks of the mesh hold.
+    """
     return [
-        *own,
         _vtk_jacobian(element_metrics, scheme, mesh),
         _matrix_components(mesh, predicted),
         *judge_surface(mesh, predicted),
@@ -97,9 +113,20 @@ def judge_alone(
             scheme,
             mesh=mesh,
         ),
-        _overlap(mesh),
-        *(_not_run(program, skipped) for program in _OTHERS if skipped),
+        check_overlap(mesh),
+        *(skip_others(skipped) if skipped else ()),
     ]
+
+
+def skip_others(reason: str) -> list[Check]:
+    """Return a row for each other program that says why it did not check a mesh.
+
+    Parameters
+    ----------
+    reason
+        Why it did not.
+    """
+    return [_not_run(program, reason) for program in _OTHERS]
 
 
 def _not_run(program: str, reason: str) -> Check:
@@ -114,7 +141,7 @@ def _not_run(program: str, reason: str) -> Check:
 
 
 def to_table(checks: Sequence[Check]) -> pd.DataFrame:
-    """Return checks as a table: id, name, found, required, holds, remedy.
+    """Return checks as a table: id, material, name, found, required, holds, remedy.
 
     `holds` is "yes", "no", "not run", or "warning" for a warning that does not hold.
 
@@ -124,8 +151,11 @@ def to_table(checks: Sequence[Check]) -> pd.DataFrame:
         The checks, in the order of the rows.
     """
     return pd.DataFrame(
-        [(c.id, c.name, str(c.found), c.required, _in_words(c), c.remedy) for c in checks],
-        columns=["id", "name", "found", "required", "holds", "remedy"],
+        [
+            (c.id, c.material, c.name, str(c.found), c.required, _in_words(c), c.remedy)
+            for c in checks
+        ],
+        columns=["id", "material", "name", "found", "required", "holds", "remedy"],
     )
 
 
@@ -236,8 +266,14 @@ def _matrix_components(mesh: VolumeMesh, predicted: BettiNumbers) -> Check:
     return _equal(identifier, name, found, predicted.betti_0)
 
 
-def _overlap(mesh: VolumeMesh) -> Check:
-    """Check that elements do not overlap; in 3D compare their volume with the enclosed volume."""
+def check_overlap(mesh: VolumeMesh) -> Check:
+    """Return the check that elements do not overlap; in 3D it compares two volumes.
+
+    Parameters
+    ----------
+    mesh
+        The mesh; in 3D, the volume of its elements must be that within its boundary.
+    """
     if mesh.dim == 2:
         name, share = "share of the area covered twice", measure_overlap(mesh)
     else:

@@ -99,6 +99,11 @@ def files_of_assemblies(*names):
     return {name: expand(path, model=ASSEMBLIES) for name, path in files(*names).items()}
 
 
+def files_of_every_assembly(*names):
+    """Return the same files as inputs beside those of the models of one material."""
+    return {f"assembly_{name}": paths for name, paths in files_of_assemblies(*names).items()}
+
+
 def shown(*names):
     """Return files of a model by name, as outputs that Snakemake's report shows."""
     return {
@@ -149,6 +154,11 @@ def geometry_of(wildcards):
     """Return the geometry file of a model, none where it is part of an installed package."""
     geometry = GEOMETRY[wildcards.model]
     return [] if geometry.startswith(PACKAGE) else geometry
+
+
+def all_geometries():
+    """Return the geometry files of all models, of one material or of several."""
+    return [file for model in SETTINGS.models.values() for file in model.files]
 
 
 def reader_of(wildcards):

@@ -1,20 +1,28 @@
-from tusqh.overview.files_read import FILES_READ, LINK_TITLES
+from tusqh.overview.files_read import FILES_READ, FILES_READ_OF_MATERIALS, LINK_TITLES, LINK_TITLES_OF_MATERIALS
 
 
 # Make results/report/index.html, one page on all models; it shows the tables and figures given here.
 rule overview:
     input:
-        geometries=sorted({g for g in GEOMETRY.values() if not g.startswith(PACKAGE)}),
+        geometries=sorted({g for g in all_geometries() if not g.startswith(PACKAGE)}),
         **files_of_all_models(*FILES_READ),
-        linked=list(files_of_all_models(*LINK_TITLES).values()),
-        figures=[figure for model in MODELS for figure in figures_of(model)],
+        **files_of_every_assembly(*FILES_READ_OF_MATERIALS),
+        linked=[
+            *files_of_all_models(*LINK_TITLES).values(),
+            *files_of_assemblies(*LINK_TITLES_OF_MATERIALS).values(),
+        ],
+        figures=[
+            *[figure for model in MODELS for figure in figures_of(model)],
+            *files_of_assemblies("figure_materials")["figure_materials"],
+        ],
         tables=["results/tables/summary.csv", "results/tables/claims.csv"],
         shared=["results/figures/pinches.png"],
         register=register_if_there(),
     output:
         page="results/report/index.html",
     params:
-        models=GEOMETRY,
+        models={name: list(model.files) for name, model in SETTINGS.models.items()},
+        of_materials=list(ASSEMBLIES),
         captions=captions(),
     script:
         "../scripts/overview.py"

@@ -1,7 +1,8 @@
 rule tables:
     input:
         **files_of_all_models("facts", "verdict", "amount", "defects", "verification"),
-        materials=files_of_assemblies("verification")["verification"],
+        **files_of_every_assembly("materials", "verification", "verdict"),
+        assembly_amount=expand(files("amount")["amount"], model=SIMULATED),
     output:
         summary=report("results/tables/summary.csv", "../report/summary.rst", category="Tables"),
         markdown="results/tables/summary.md",
@@ -13,9 +14,11 @@ rule tables:
 rule verdicts:
     input:
         **files_of_all_models("facts", "verdict"),
+        **files_of_every_assembly("materials", "verdict"),
     output:
         verdicts=report("results/tables/verdicts.csv", "../report/verdicts.rst", category="Tables"),
     params:
         files=list(GEOMETRY.values()),
+        files_of_assemblies=[", ".join(model.files) for model in ASSEMBLIES.values()],
     script:
         "../scripts/verdicts.py"

@@ -4,6 +4,7 @@ import pandas as pd
 
 from provenance.record import recorded
 from tusqh.atomic import write_text
+from tusqh.overview.materials import read_materials_model
 from tusqh.overview.model import read_model
 from tusqh.overview.page import render_overview
 
@@ -12,10 +13,14 @@ with recorded(snakemake) as log:
     register = pd.read_csv(given.register[0]) if given.register else None
     page = Path(snakemake.output.page)
     models = []
-    for name, geometry in snakemake.params.models.items():
+    for name, files in snakemake.params.models.items():
         folder = page.parent.parent / name
         figures = [Path(path) for path in given.figures if folder in Path(path).parents]
-        models.append(read_model(folder, geometry=geometry, figures=figures, register=register))
+        shown = {"figures": figures, "register": register}
+        if name in snakemake.params.of_materials:
+            models.append(read_materials_model(folder, geometries=files, **shown))
+        else:
+            models.append(read_model(folder, geometry=files[0], **shown))
     log.info("%d of %d models hold", sum(model.holds for model in models), len(models))
     text = render_overview(
         page,

@@ -4,17 +4,23 @@ from pathlib import Path
 import pandas as pd
 
 from provenance.record import recorded
-from tusqh.quality.summary import summarise_model
+from tusqh.quality.summary import summarise_materials, summarise_model
 from tusqh.tables import write_csv, write_markdown
 
 with recorded(snakemake) as log:
+    given = snakemake.input
     kinds = ("facts", "verdict", "amount", "defects")
-    of_models = zip(*(snakemake.input[kind] for kind in kinds), strict=True)
-    summary = pd.DataFrame(
+    rows = [
         summarise_model(json.loads(Path(facts).read_text()), *map(pd.read_csv, tables))
-        for facts, *tables in of_models
-    )
-    files = [*snakemake.input.verification, *snakemake.input.materials]
+        for facts, *tables in zip(*(given[kind] for kind in kinds), strict=True)
+    ]
+    amounts = {Path(path).parents[1]: pd.read_csv(path) for path in given.assembly_amount}
+    kinds = ("assembly_materials", "assembly_verification", "assembly_verdict")
+    for files in zip(*(given[kind] for kind in kinds), strict=True):
+        tables = [pd.read_csv(path, dtype={"material": str}) for path in files]
+        rows += summarise_materials(*tables, amounts.get(Path(files[0]).parent))
+    summary = pd.DataFrame(rows)
+    files = [*given.verification, *given.assembly_verification]
     verification = pd.concat(map(pd.read_csv, files), ignore_index=True)
     log.info(
         "%d of %d rows of the verification hold", verification["holds"].sum(), len(verification)

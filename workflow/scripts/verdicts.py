@@ -4,14 +4,21 @@ from pathlib import Path
 import pandas as pd
 
 from provenance.record import recorded
-from tusqh.quality.summary import summarise_verdict
+from tusqh.quality.summary import facts_of_materials, summarise_verdict
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
-    files = zip(snakemake.params.files, snakemake.input.facts, snakemake.input.verdict, strict=True)
+    given, params = snakemake.input, snakemake.params
+    facts = [json.loads(Path(path).read_text()) for path in given.facts]
+    facts += [
+        facts_of_materials(Path(path).parent.name, pd.read_csv(path))
+        for path in given.assembly_materials
+    ]
+    verdicts = [pd.read_csv(path) for path in [*given.verdict, *given.assembly_verdict]]
+    files = [*params.files, *params.files_of_assemblies]
     table = pd.DataFrame(
-        summarise_verdict(json.loads(Path(facts).read_text()), pd.read_csv(verdict), file=file)
-        for file, facts, verdict in files
+        summarise_verdict(about, verdict, file=file)
+        for file, about, verdict in zip(files, facts, verdicts, strict=True)
     )
     log.info("%d of %d meshes have warnings", (table["warnings"] != "").sum(), len(table))
     write_csv(Path(snakemake.output.verdicts), table)

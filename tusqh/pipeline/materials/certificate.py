@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
+import pandas as pd
 
 from tusqh import __version__
 from tusqh.certificate import FILE_NAME
@@ -20,7 +21,7 @@ from tusqh.meshes.export import read_regions, read_vtu
 from tusqh.meshes.measure_regions import RegionMeasurement
 from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
-from tusqh.pipeline.materials.judge import ALL, judge_materials, measure_materials
+from tusqh.pipeline.materials.judge import ALL, judge_all, judge_materials, measure_materials
 from tusqh.topology.betti_numbers import BettiNumbers
 
 #: Version of certificates of several materials; those of one material have whole numbers.
@@ -64,13 +65,20 @@ def make_certificate(
     }
 
 
-def check_materials(mesh_file: Path) -> list[Check]:
+def check_materials(mesh_file: Path, *, checks: Literal["all"] | None = None) -> pd.DataFrame:
     """Return the checks of a mesh file of several materials, and of the certificate beside it.
 
     Parameters
     ----------
     mesh_file
         A VTU file with materials.
+    checks
+        Whether other programs check large meshes too, see `tusqh.settings.quality.Quality`.
+
+    Returns
+    -------
+    verdict
+        One row per check, see `tusqh.quality.verdict.to_table`.
 
     Raises
     ------
@@ -81,14 +89,13 @@ def check_materials(mesh_file: Path) -> list[Check]:
     measured = measure_materials(mesh, regions)
     path = mesh_file.parent / FILE_NAME
     if not path.is_file():
-        return judge_materials(mesh, measured)
+        return judge_all(mesh, regions, measured, checks=checks).verdict
     stored = _read(path)
     predicted = {name: BettiNumbers(*betti) for name, betti in stored["predicted"].items()}
-    checks = judge_materials(mesh, measured, predicted)
     recomputed = {
         "mesh": hash_file(mesh_file),
         "measured": _measured(measured),
-        "holds": all(check.holds for check in checks),
+        "holds": all(check.holds for check in judge_materials(mesh, measured, predicted)),
     }
     fractions_file = path.parent / stored["fractions"]["file"]
     if fractions_file.is_file():
@@ -96,7 +103,9 @@ def check_materials(mesh_file: Path) -> list[Check]:
         recomputed["fractions"] = hash_file(fractions_file)
         recomputed["predicted"] = {name: list(betti) for name, betti in again.items()}
     claimed = {**stored, **{key: stored[key]["sha256"] for key in ("mesh", "fractions")}}
-    return checks + [_compare(key, value, claimed[key]) for key, value in recomputed.items()]
+    claims = [_compare(key, value, claimed[key]) for key, value in recomputed.items()]
+    found = judge_all(mesh, regions, measured, predicted, comparison=claims, checks=checks)
+    return found.verdict
 
 
 def read_materials(mesh_file: Path) -> tuple[VolumeMesh, Regions]:

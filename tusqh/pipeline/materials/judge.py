@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 import pandas as pd
 
 from tusqh.antialias.scheme import PINCH_TEMPLATES
+from tusqh.extras import MissingExtraError
+from tusqh.grid import IntArray
 from tusqh.meshes.checks import Check
 from tusqh.meshes.measure_regions import RegionMeasurement, measure_regions
 from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.pipeline.judge import Judgement
+from tusqh.quality.elements import element_metrics, summarise_metrics
+from tusqh.quality.verdict import check_overlap, judge_by_others, skip_others, to_table
+from tusqh.settings.quality import MOST_ELEMENTS
 from tusqh.topology.betti_numbers import BettiNumbers
 
 #: Name of all materials together, without the void.
@@ -36,12 +44,43 @@ def measure_materials(mesh: VolumeMesh, regions: Regions) -> dict[str, RegionMea
     return {**measured, ALL: RegionMeasurement.of(mesh.measurement)}
 
 
+def judge_all(
+    mesh: VolumeMesh,
+    regions: Regions,
+    measured: Mapping[str, RegionMeasurement],
+    predicted: Mapping[str, BettiNumbers] | None = None,
+    *,
+    comparison: Sequence[Check] = (),
+    checks: Literal["all"] | None = None,
+) -> Judgement:
+    """Return all checks of a mesh and its materials, by our own counts, VTK, MFEM and pymeshlab.
+
+    Parameters
+    ----------
+    mesh, regions
+        The mesh and the material of every element; the last name is the void.
+    measured, predicted
+        See `judge_materials`.
+    comparison
+        Further checks, such as those of `compare_volumes`.
+    checks
+        Whether other programs check large meshes too, see `tusqh.settings.quality.Quality`.
+    """
+    own, others, metrics = judge_materials(mesh, measured, predicted), list[Check](), None
+    is_sound = mesh.measurement.is_sound
+    if is_sound and all(found.n_non_manifold == 0 for found in measured.values()):
+        expected = predicted or {name: found.by_euler for name, found in measured.items()}
+        others, metrics = judge_parts_by_others(mesh, regions, expected, checks=checks)
+    elements = summarise_metrics(pd.DataFrame() if metrics is None else metrics)
+    return Judgement(elements, to_table([*own, *others, *comparison]))
+
+
 def judge_materials(
     mesh: VolumeMesh,
     measured: Mapping[str, RegionMeasurement],
     predicted: Mapping[str, BettiNumbers] | None = None,
 ) -> list[Check]:
-    """Return the checks of a mesh and of its materials.
+    """Return our own checks of a mesh, of each of its materials, and of all together.
 
     Parameters
     ----------
@@ -64,6 +103,8 @@ def judge_materials(
             holds=PINCH_TEMPLATES.allows(smallest, mesh),
         ),
     ]
+    if mesh.measurement.is_sound:
+        checks.append(check_overlap(mesh))
     for name, found in measured.items():
         expected = found.by_euler if predicted is None else predicted[name]
         checks.append(
@@ -73,6 +114,7 @@ def judge_materials(
                 found=found.n_non_manifold,
                 required="0",
                 holds=found.n_non_manifold == 0,
+                material=name,
             )
         )
         for how, betti in (
@@ -86,9 +128,62 @@ def judge_materials(
                     found=betti,
                     required=str(expected),
                     holds=betti == expected,
+                    material=name,
                 )
             )
     return checks
+
+
+def judge_parts_by_others(
+    mesh: VolumeMesh,
+    regions: Regions,
+    predicted: Mapping[str, BettiNumbers],
+    *,
+    checks: Literal["all"] | None = None,
+) -> tuple[list[Check], pd.DataFrame | None]:
+    """Return the checks by VTK, MFEM and pymeshlab of each material and of all together.
+
+    Every material is judged as a mesh of its own, with its own points.
+
+    Parameters
+    ----------
+    mesh, regions
+        The mesh and the material of every element; our own checks of them hold.
+    predicted
+        Betti numbers that every material and all together must have.
+    checks
+        Whether large meshes are checked too, see `tusqh.settings.quality.Quality`.
+
+    Returns
+    -------
+    checks
+        The checks.
+    metrics
+        VTK's metrics of every element; None if VTK did not run.
+    """
+    if checks != "all" and mesh.n_cells > MOST_ELEMENTS:
+        return skip_others(f"{mesh.n_cells:,} elements; `--all-checks` runs them"), None
+    try:
+        metrics = element_metrics(mesh)
+    except MissingExtraError:
+        metrics = None
+    found = []
+    for name, chosen in _list_parts(regions).items():
+        of_part = None if metrics is None else metrics.iloc[chosen]
+        part = mesh.take(chosen, name=name)
+        overlap = [] if name == ALL else [check_overlap(part)]
+        found += [
+            replace(check, id=f"{check.id}_{name}", name=f"{name}: {check.name}", material=name)
+            for check in [*overlap, *judge_by_others(part, predicted[name], of_part)]
+        ]
+    return found, metrics
+
+
+def _list_parts(regions: Regions) -> dict[str, IntArray]:
+    """Return the elements of every material that has any, and of all without the void."""
+    material, names = regions.material, regions.names
+    parts = {names[k]: np.flatnonzero(material == k) for k in np.unique(material).tolist()}
+    return {**parts, ALL: np.flatnonzero(material != len(names) - 1)}
 
 
 def compare_volumes(materials: pd.DataFrame, tolerance: float) -> list[Check]:
@@ -111,6 +206,7 @@ def compare_volumes(materials: pd.DataFrame, tolerance: float) -> list[Check]:
             holds=abs(ratio - 1) <= tolerance,
             is_warning=True,
             remedy="use smaller cells, or another threshold for this material",
+            material=name,
         )
         for name, ratio in zip(materials["material"], ratios, strict=True)
     ]

@@ -50,7 +50,7 @@ def mesh_several(
         Files, parts or labels, see `tusqh.pipeline.materials.gather.gather`; or the fractions of
         all materials.
     settings
-        Only the grid, the window, the samples and the size of voxels have an effect.
+        Only the grid, the window, the samples, the size of voxels and the quality have an effect.
     materials
         Names and wishes, see `tusqh.settings.materials.to_materials`.
     rest
@@ -99,6 +99,7 @@ def mesh_several(
         sampled.overlaps,
         (*gathered.remarks, *absent),
         settings.quality.volume_tolerance,
+        settings.quality.checks,
     )
 
 
@@ -123,6 +124,6 @@ def _without_effect(what: str, remedy: str) -> ConfigError:
     return ConfigError(
         f"{what} together with several materials",
         where="materials",
-        expected="settings of the grid, the window, the samples and the voxels only",
+        expected="settings of the grid, the window, the samples, the voxels and the checks only",
         remedy=remedy,
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -20,10 +20,11 @@ from tusqh.geometry.remark import Remark
 from tusqh.grid import FloatArray
 from tusqh.hashing import canonical_json
 from tusqh.meshes.measure_regions import RegionMeasurement
+from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.pipeline.judge import Judgement
 from tusqh.pipeline.materials.certificate import make_certificate
-from tusqh.pipeline.materials.judge import ALL, compare_volumes, judge_materials
-from tusqh.quality.verdict import to_table
+from tusqh.pipeline.materials.judge import ALL, compare_volumes, judge_all
 from tusqh.quality.verification import VERIFICATION_COLUMNS
 from tusqh.tables import write_csv
 from tusqh.topology.betti_numbers import BettiNumbers
@@ -57,6 +58,8 @@ class MaterialsResult:
     volume_tolerance
         Largest relative difference between the volumes of a material in the mesh and in its
         fractions that causes no warning.
+    checks
+        Whether other programs check large meshes too, see `tusqh.settings.quality.Quality`.
     """
 
     built: MaterialMesh
@@ -65,6 +68,7 @@ class MaterialsResult:
     overlaps: FloatArray | None = None
     remarks: tuple[Remark, ...] = ()
     volume_tolerance: float = 0.05
+    checks: Literal["all"] | None = None
 
     @property
     def mesh(self) -> VolumeMesh:
@@ -126,8 +130,25 @@ class MaterialsResult:
     @cached_property
     def verdict(self) -> pd.DataFrame:
         """Every check of the mesh and of its materials, see `tusqh.quality.verdict.to_table`."""
-        checks = judge_materials(self.mesh, self._measured, self._predicted)
-        return to_table([*checks, *compare_volumes(self.materials, self.volume_tolerance)])
+        return self._judgement.verdict
+
+    @property
+    def elements(self) -> pd.DataFrame:
+        """Summary of VTK's element metrics, one row per metric; empty if VTK did not run."""
+        return self._judgement.elements
+
+    @cached_property
+    def _judgement(self) -> Judgement:
+        regions = Regions(self.names, self.built.material)
+        volumes = compare_volumes(self.materials, self.volume_tolerance)
+        return judge_all(
+            self.mesh,
+            regions,
+            self._measured,
+            self._predicted,
+            comparison=volumes,
+            checks=self.checks,
+        )
 
     @property
     def has_warnings(self) -> bool:
@@ -209,7 +230,7 @@ class MaterialsResult:
         folder = Path(folder)
         self.write(path_of("mesh", folder))
         save_materials(path_of("fractions", folder), self.fractions)
-        for name in ("materials", "pairs", "verdict", "verification"):
+        for name in ("materials", "pairs", "elements", "verdict", "verification"):
             write_csv(path_of(name, folder), getattr(self, name))
         files = path_of("mesh", folder), path_of("fractions", folder)
         certificate = make_certificate(*files, self.thresholds, name=self.mesh.name)
