@@ -108,8 +108,14 @@ def write_images(folder):
     image = pyvista.ImageData(dimensions=ball.shape)
     image.point_data["grey"] = ball.ravel(order="F")
     image.save(folder / "points.vti", binary=False)
+    rows = [str(k) for k in (ball // 200).ravel().tolist()]
+    (folder / "ball.spn").write_text("\n".join(rows) + "\n")
     for encoding in ("raw", "gzip", "bzip2", "ascii"):
         nrrd.write(str(folder / f"{encoding}.nrrd"), ball, {"encoding": encoding})
+
+
+#: Options of the samples that cannot be read without, by suffix.
+OPTIONS = {".spn": {"voxels": [9, 8, 7]}}
 
 
 def write_samples(folder):

@@ -11,7 +11,7 @@ import zipfile
 import numpy as np
 import pytest
 import tifffile
-from samples import write_samples
+from samples import OPTIONS, write_samples
 
 import tusqh.readers.gate as gate
 from tusqh.errors import GeometryError
@@ -39,7 +39,7 @@ def test_there_is_a_sample_of_every_format(samples):
 
 def test_every_sample_is_read_and_its_content_agrees_with_its_name(samples):
     for path in samples:
-        reading = read_file(path)
+        reading = read_file(path, image=OPTIONS.get(path.suffix))
         assert reading.format == find_format(path.name).name
         content = recognise(path)
         assert content is None or path.suffix in content.suffixes, path.name
@@ -177,7 +177,8 @@ def test_names_of_every_kind_are_read_and_shown_on_one_line(samples, tmp_path, n
     for path in samples:
         strange = tmp_path / f"{name}{path.suffix}"
         strange.write_bytes(path.read_bytes())
-        assert read_file(strange).geometry.name == strange.name
+        options = OPTIONS.get(path.suffix)
+        assert read_file(strange, image=options).geometry.name == strange.name
         strange.write_bytes(b"\0\1\2\3" * 9)
         shown = str(refused(strange))
         assert len(shown.splitlines()) == 3

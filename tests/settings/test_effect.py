@@ -23,6 +23,7 @@ VALUES = {
     **{"labels": "1", "channel": "0", "threshold": "0.25", "betti": "1,0", "persistence": "0.1"},
     **{"volume": True, "bridges": "none", "volume_tolerance": "0.1"},
     **{"scope": "local", "base": "0.25"},
+    **{"voxels": "6,6,6", "voxel_order": "zyx"},
     "checks": True,
     **{
         prefix + name: value
@@ -33,7 +34,7 @@ VALUES = {
         )
     },
 }
-IMAGES = {"voxel_size", "empty", "full", "labels", "channel"}
+IMAGES = {"voxel_size", "empty", "full", "labels", "channel", "voxels", "voxel_order"}
 SAMPLING = {"samples", "rule", "orientation", "sampler", "tolerance"}
 HOLES, VOIDS = ({name for name in VALUES if name.startswith(p)} for p in ("holes_", "voids_"))
 LOCAL = {"scope", "base"}  # They need a target or a persistence.

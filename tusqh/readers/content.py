@@ -75,6 +75,7 @@ _TEXTS = (
     (rb'(?s)<.{0,3000}?VTKFile[^>]{0,200}?type="Unstr', Content("a VTK mesh", (".vtu",))),
     (rb"(?s)<.{0,3000}?VTKFile", Content("another VTK file in XML")),
     (rb"(?s)<.{0,3000}?<(?:\w+:)?svg\b|<(?:\w+:)?svg\b", Content("an SVG drawing", (".svg",))),
+    (rb"(?:\d+[ \t]*\r?\n){8}[\d\s]*\Z", Content("a column of labels", (".spn",))),
     (rb"(?i)<!doctype html|<html", Content("a web page")),
     (rb'(?s)\{.{0,3000}?"(?:asset|bufferViews|accessors)"\s*:', Content("a glTF file", (".gltf",))),
     (rb'(?s)[\[{].{0,3000}?"(?:type"\s*:\s*"(?:Feature|Geometry|(?:Multi)?[PL])|features"\s*:)',

@@ -14,6 +14,7 @@ from tusqh.extras import require
 from tusqh.readers.formats import find_format, suffixes_of
 from tusqh.readers.gate import check_file
 from tusqh.readers.reading import Reading
+from tusqh.readers.voxels import require_stated_shape
 from tusqh.settings.field import entries_of
 from tusqh.settings.voxels import Voxels
 
@@ -48,6 +49,8 @@ def read_file(path: Path, *, image: Mapping[str, Any] | None = None) -> Reading:
     """
     found = find_format(str(path))
     _check_options(path, image or {}, is_image=found.kind == "image")
+    if found.module != "spn":
+        require_stated_shape(image or {}, where=str(path))
     check_file(path, found)
     if found.library and found.extra:
         require(found.library, extra=found.extra)

@@ -61,6 +61,7 @@ FORMATS = (
     Format("VTK image", (".vti",), "image", "vti", "pyvista", "formats", growth=3),
     Format("NumPy array", (".npy",), "image", "npy", growth=2),
     Format("TIFF stack", (".tif", ".tiff"), "image", "tiff", "tifffile", "formats", growth=1),
+    Format("SPN of Sculpt", (".spn",), "image", "spn", growth=7),
     Format("NRRD", (".nrrd",), "image", "nrrd", "nrrd", "formats", growth=1),
 )
 # fmt: on
@@ -107,7 +108,7 @@ def suffixes_of(*kinds: str) -> list[str]:
     Examples
     --------
     >>> suffixes_of("image")
-    ['.vti', '.npy', '.tif', '.tiff', '.nrrd']
+    ['.vti', '.npy', '.tif', '.tiff', '.spn', '.nrrd']
     """
     return [
         suffix

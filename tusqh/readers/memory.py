@@ -14,7 +14,7 @@ from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.soup import Soup
 from tusqh.readers.surfaces import surfaces_of_dataset, surfaces_of_scene
-from tusqh.readers.voxels import image_of
+from tusqh.readers.voxels import image_of, require_stated_shape
 from tusqh.settings.voxels import Voxels
 
 
@@ -40,6 +40,7 @@ def read_object(
         The source is none of these, or holds no valid geometry.
     """
     if isinstance(source, np.ndarray):
+        require_stated_shape(image or {}, where=name)
         return image_of(name, source, name=name, meaning=Voxels(**(image or {}))).geometry
     if image:
         raise _damaged("`image` is given for a source that is not an image", name)

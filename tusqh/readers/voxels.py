@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -137,6 +137,31 @@ def image_of(
         what = f"unit of length in the file: {place.unit}"
         said.insert(0, Remark("noted", what, 1, "give it as the `unit` of the model"))
     return Reading(image, tuple(said), unit=place.unit)
+
+
+def require_stated_shape(options: Mapping[str, Any], *, where: str) -> None:
+    """Raise an error for the shape or order of voxels whose source states them.
+
+    Parameters
+    ----------
+    options
+        The given options, see `tusqh.settings.voxels.Voxels`.
+    where
+        The source, for the message.
+
+    Raises
+    ------
+    GeometryError
+        A shape or an order is given.
+    """
+    given = [name for name in ("voxels", "voxel_order") if options.get(name) is not None]
+    if given:
+        raise GeometryError(
+            f"`{given[0]}` is given for an image that states its own shape",
+            where=where,
+            expected="a file of type '.spn', a column of labels without a shape",
+            remedy=f"remove `{given[0]}`",
+        )
 
 
 def _remark_on_thin_axis(shape: Sequence[int]) -> list[Remark]:

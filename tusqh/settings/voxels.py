@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from tusqh.settings.field import setting
 from tusqh.settings.section import Section
 from tusqh.settings.validate import Path
+
+VoxelOrder = Literal["xyz", "xzy", "yxz", "yzx", "zxy", "zyx"]
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,20 @@ class Voxels(Section):
         otherwise="none: an image that has several is rejected",
         at_least=0,
         metavar="N",
+    )
+    voxels: tuple[int, int, int] | None = setting(
+        "Number of voxels along x, y and z, for a file that does not state it (SPN).",
+        default=None,
+        otherwise="what the file says",
+        at_least=1,
+        n_items=(3, 3),
+        metavar="N,N,N",
+    )
+    voxel_order: VoxelOrder | None = setting(
+        "Order of the voxels in such a file: the index along the first axis changes slowest. The "
+        "option `spn_xyz_order` of Sculpt numbers these orders from 0 to 5.",
+        default=None,
+        otherwise="xyz",
     )
 
     def find_contradictions(self) -> Iterator[tuple[Path, str, str]]:
