@@ -98,18 +98,24 @@ def _from_outline(outline: Outline) -> Any:
         lines=np.column_stack([np.full(n_segments, 2), outline.segments]).ravel(),
     )
     data.cell_data["chain"] = outline.chains
+    if outline.parts is not None:
+        data.cell_data["feature"] = outline.parts
     data.field_data["name"] = [json.dumps(outline.name)]  # VTK strings are ASCII.
+    data.field_data["part names"] = [json.dumps(outline.part_names)]
     return data
 
 
 def _to_outline(data: Any) -> Outline:
     """Return the outline in line cells."""
     segments = np.array(data.lines, dtype=np.int64).reshape(-1, 3)[:, 1:]
+    has_parts = "feature" in data.cell_data
     return Outline(
         points=np.array(data.points[:, :2], dtype=np.float64),
         segments=segments.copy(),
         chains=np.array(data.cell_data["chain"], dtype=np.int64),
         name=str(json.loads(str(data.field_data["name"][0]))),
+        parts=np.array(data.cell_data["feature"], dtype=np.int64) if has_parts else None,
+        part_names=tuple(json.loads(str(data.field_data["part names"][0]))),
     )
 
 
@@ -120,6 +126,7 @@ def _from_soup(soup: Soup) -> Any:
     data = require("pyvista", extra="formats").PolyData(soup.points, faces=faces)
     data.cell_data["part"] = soup.parts
     data.field_data["name"] = [json.dumps(soup.name)]
+    data.field_data["part names"] = [json.dumps(soup.part_names)]
     return data
 
 
@@ -130,6 +137,7 @@ def _to_soup(data: Any) -> Soup:
         triangles=data.faces.reshape(-1, 4)[:, 1:].astype(np.int64),
         parts=np.array(data.cell_data["part"], dtype=np.int64),
         name=str(json.loads(str(data.field_data["name"][0]))),
+        part_names=tuple(json.loads(str(data.field_data["part names"][0]))),
     )
 
 

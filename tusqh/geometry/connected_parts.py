@@ -13,6 +13,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from tusqh.geometry.boundary_chain import match_points
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BoolArray, FloatArray, IntArray
 
@@ -102,6 +103,39 @@ def find_parts(soup: Soup) -> ConnectedParts:
         upper=upper,
         n_disagreeing=int((disagrees & is_twisted[patch[links[0]]]).sum()),
     )
+
+
+def are_apart(points: FloatArray, triangles: IntArray, group: IntArray) -> bool:
+    """Return whether no edge of a surface lies between triangles of two groups.
+
+    That is so if the groups alone have no more open edges than all of them together.
+
+    Parameters
+    ----------
+    points
+        Coordinates, shape (n, 3); points with equal coordinates are merged.
+    triangles
+        Corners of every triangle, shape (m, 3).
+    group
+        Group of every triangle, shape (m,).
+
+    Examples
+    --------
+    >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> triangles = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    >>> both = np.concatenate([triangles, triangles])
+    >>> are_apart(points, both, np.repeat([0, 1], 4)), are_apart(points, both, np.arange(8) % 2)
+    (True, False)
+    """
+    if len(triangles) == 0:
+        return True
+    points, number = match_points(points)
+    edge, is_forward = _edges(number[triangles], len(points))
+    key = np.repeat(group, 3) * (int(edge.max()) + 1) + edge
+    alone = np.unique(key, return_inverse=True)[1].ravel()
+    sign = np.where(is_forward, 1, -1)
+    n_open = [np.abs(np.bincount(k, weights=sign)).sum() for k in (edge, alone)]
+    return bool(n_open[0] == n_open[1])
 
 
 def _sums(group: IntArray, values: FloatArray | BoolArray) -> FloatArray:

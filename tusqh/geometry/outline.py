@@ -27,6 +27,11 @@ class Outline:
         shape (m,).
     name
         Where it came from, for messages.
+    parts
+        Number of the part (feature or shape of a map) to which each segment belongs, shape (m,);
+        None if the file has only chains.
+    part_names
+        Name of every part, empty for a part without one; none if the file has no names.
 
     Raises
     ------
@@ -38,6 +43,8 @@ class Outline:
     segments: IntArray
     chains: IntArray
     name: str = "outline"
+    parts: IntArray | None = None
+    part_names: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.segments) == 0:

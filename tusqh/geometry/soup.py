@@ -32,6 +32,8 @@ class Soup:
         shape (m,).
     name
         Where it came from, for messages.
+    part_names
+        Name of every part, empty for a part without one; none if the file has no names.
 
     Raises
     ------
@@ -50,6 +52,7 @@ class Soup:
     triangles: IntArray
     parts: IntArray
     name: str = "soup"
+    part_names: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.triangles) == 0:
@@ -113,7 +116,9 @@ class Soup:
         return points, number[self.triangles]
 
     @classmethod
-    def from_parts(cls, parts: Sequence[Part], *, name: str = "soup") -> Soup:
+    def from_parts(
+        cls, parts: Sequence[Part], *, name: str = "soup", part_names: Sequence[str] = ()
+    ) -> Soup:
         """Return the soup of parts, each with its own points and triangles.
 
         Parameters
@@ -122,6 +127,8 @@ class Soup:
             Points, shape (n, 3), and triangles, shape (m, 3), of every part.
         name
             Where it came from, for messages.
+        part_names
+            Names of the parts, see `Soup`.
 
         Raises
         ------
@@ -141,4 +148,5 @@ class Soup:
             triangles=np.concatenate([np.empty((0, 3), dtype=np.int64), *triangles]),
             parts=np.repeat(np.arange(len(parts)), [len(t) for _, t in parts]).astype(np.int64),
             name=name,
+            part_names=tuple(part_names),
         )

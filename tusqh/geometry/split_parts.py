@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from tusqh.geometry.connected_parts import find_parts
@@ -16,7 +19,8 @@ def split_parts(geometry: Surface) -> list[Surface]:
 
     The parts of a soup are the objects, solids or nodes of its file; if there is only one, its
     connected pieces.  A piece that points inwards is a cavity of the smallest piece around it.  The
-    parts of an outline are its chains, in the same way.
+    parts of an outline are the features of its map; if there is only one, its chains, in the same
+    way.
 
     Parameters
     ----------
@@ -31,24 +35,63 @@ def split_parts(geometry: Surface) -> list[Surface]:
     [8, 4]
     """
     if isinstance(geometry, Outline):
-        number = _pieces_of_outline(geometry)[geometry.chains]
+        number = _numbers(geometry.parts)
+        if number.max(initial=0) == 0:
+            number = _pieces_of_outline(geometry)[geometry.chains]
         return [
-            Outline(geometry.points, geometry.segments[number == k], geometry.chains[number == k],
-                    f"{geometry.name}, part {k + 1}")
+            replace(
+                geometry,
+                segments=geometry.segments[number == k],
+                chains=geometry.chains[number == k],
+                name=f"{geometry.name}, part {k + 1}",
+                parts=None if geometry.parts is None else geometry.parts[number == k],
+            )
             for k in range(int(number.max()) + 1)
-        ]  # fmt: skip
-    number = np.unique(geometry.parts, return_inverse=True)[1]
+        ]
+    number = _numbers(geometry.parts)
     if number.max() == 0:
         number = _pieces_of_soup(geometry)
     return [
-        Soup(
-            geometry.points,
-            geometry.triangles[number == k],
-            geometry.parts[number == k],
-            f"{geometry.name}, part {k + 1}",
+        replace(
+            geometry,
+            triangles=geometry.triangles[number == k],
+            parts=geometry.parts[number == k],
+            name=f"{geometry.name}, part {k + 1}",
         )
         for k in range(int(number.max()) + 1)
     ]
+
+
+def names_of(pieces: Sequence[Surface]) -> list[str]:
+    """Return the names that a file states for the parts of its geometry, empty where it has none.
+
+    The connected pieces of one part have no names of their own.
+
+    Parameters
+    ----------
+    pieces
+        The parts, see `split_parts`.
+
+    Examples
+    --------
+    >>> corner = np.eye(3), np.array([[0, 1, 2]])
+    >>> names_of(split_parts(Soup.from_parts([corner, corner], part_names=["ring", ""])))
+    ['ring', '']
+    """
+    numbers = [0 if piece.parts is None else int(piece.parts[0]) for piece in pieces]
+    if len(set(numbers)) < len(numbers):
+        return [""] * len(pieces)
+    return [
+        piece.part_names[k] if k < len(piece.part_names) else ""
+        for piece, k in zip(pieces, numbers, strict=True)
+    ]
+
+
+def _numbers(parts: IntArray | None) -> IntArray:
+    """Return the numbers of parts without gaps."""
+    if parts is None:
+        return np.zeros(0, dtype=np.int64)
+    return np.unique(parts, return_inverse=True)[1].astype(np.int64)
 
 
 def _pieces_of_soup(soup: Soup) -> IntArray:

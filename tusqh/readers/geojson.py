@@ -70,6 +70,7 @@ def _collect(item: Any, found: Map, path: Path, place: str) -> None:
         for number, feature in enumerate(_list_in(item, "features", path, place)):
             _collect(feature, found, path, f"feature {number}")
     elif kind == "Feature":
+        found.begin_feature(_name_of(item))
         _collect(item.get("geometry"), found, path, place)
     elif kind == "GeometryCollection":
         for number, geometry in enumerate(_list_in(item, "geometries", path, place)):
@@ -80,6 +81,16 @@ def _collect(item: Any, found: Map, path: Path, place: str) -> None:
     else:
         what = f"{_short(kind)} is not a GeoJSON type"
         _refuse(what, path, place, "Feature, FeatureCollection, or a type of geometry")
+
+
+def _name_of(feature: dict[str, Any]) -> str:
+    """Return the name of a feature: its property of that name, in any case of letters."""
+    properties = feature.get("properties")
+    if isinstance(properties, dict):
+        for key, value in properties.items():
+            if str(key).lower() == "name" and isinstance(value, (str, int, float)):
+                return str(value)
+    return ""
 
 
 def _add(kind: str, coordinates: list[Any], found: Map, path: Path, place: str) -> None:

@@ -51,21 +51,25 @@ def read(path: Path) -> Reading:
             )
     left_out: Counter[str] = Counter()
     parts: list[Part] = []
+    names: list[str] = []
     for node, matrix in _placed_nodes(file, left_out):
         if "mesh" not in node:
             continue
         if "skin" in node:
             left_out["skins, so that meshes are in their rest position"] += 1
-        points, triangles = _mesh(file, file.item("meshes", node["mesh"]), left_out)
+        mesh = file.item("meshes", node["mesh"])
+        points, triangles = _mesh(file, mesh, left_out)
         for instance in _instances(file, node):
             place = matrix @ instance
             is_mirrored = np.linalg.det(place[:3, :3]) < 0
             moved = points @ place[:3, :3].T + place[:3, 3]
             parts.append((moved, triangles[:, ::-1] if is_mirrored else triangles))
+            names.append(str(node.get("name") or mesh.get("name") or ""))
     n_scenes = len(file.document.get("scenes", ()))
     left_out["scenes beside the first one"] += max(n_scenes - 1, 0)
     remarks = [Remark("left out", what, n) for what, n in left_out.items() if n]
-    return Reading(Soup.from_parts(parts, name=path.name), tuple(remarks))
+    soup = Soup.from_parts(parts, name=path.name, part_names=names)
+    return Reading(soup, tuple(remarks))
 
 
 def _placed_nodes(

@@ -73,7 +73,8 @@ def _from_trimesh(source: Any, name: str) -> Soup:
 
     scene = source if isinstance(source, trimesh.Scene) else trimesh.Scene([source])
     try:
-        return Soup.from_parts(surfaces_of_scene(scene), name=name)
+        parts, names = surfaces_of_scene(scene)
+        return Soup.from_parts(parts, name=name, part_names=names)
     except ValueError as error:
         raise _damaged(str(error), name) from error
 

@@ -6,7 +6,9 @@ import re
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
+from tusqh.geometry.connected_parts import are_apart
 from tusqh.geometry.remark import Remark
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BoolArray, FloatArray, IntArray
@@ -21,6 +23,8 @@ from tusqh.readers.polygon_faces import (
 from tusqh.readers.reading import Reading
 
 _STATEMENT = re.compile(rb"^[ \t]*([a-z]+)[ \t]+([^\n]*)", re.MULTILINE)
+#: Keyword and words of every line.
+Statements = list[tuple[bytes, bytes]]
 _COUNT = re.compile(rb"^#\s*(Vertices|Faces):\s*(\d+)\s*$", re.MULTILINE)
 #: Statements that describe geometry which is not a polygon.
 _OTHERS = {b"l": "lines", b"p": "points", b"curv": "curves", b"curv2": "curves in a surface"}
@@ -28,7 +32,10 @@ _OTHERS |= {b"surf": "free-form surfaces", b"call": "included files"}
 
 
 def read(path: Path) -> Reading:
-    """Read every object of the file as a part of the soup.
+    """Read every object of the file as a part of the soup, or every group if there is one object.
+
+    Groups are parts only if no edge lies between two of them, because many programs write the
+    patches of one surface as groups.
 
     Parameters
     ----------
@@ -58,7 +65,11 @@ def read(path: Path) -> Reading:
     _check_counts(content, len(points), len(faces), path)
     corners, counts = _corners(faces, np.cumsum(is_vertex)[is_face], len(points), path)
     triangles, polygon = cut_polygons(corners, counts)
-    parts = _parts(keywords == b"o", is_face)[polygon]
+    parts, names = _parts(statements, keywords, is_face)
+    if len(names) == 1:
+        groups, of_groups = _groups(statements, keywords, is_face)
+        if are_apart(points, triangles, groups[polygon]):
+            parts, names = groups, of_groups if len(of_groups) > 1 or not names[0] else names
     others = [Remark("left out", w, int((keywords == k).sum())) for k, w in _OTHERS.items()]
     is_cut = not content.endswith(b"\n") and _ends_within_geometry(content)
     remarks = [
@@ -73,7 +84,7 @@ def read(path: Path) -> Reading:
             )
         ),
     ]
-    soup = Soup(points=points, triangles=triangles, parts=parts, name=path.name)
+    soup = Soup(points, triangles, parts[polygon], name=path.name, part_names=names)
     return Reading(soup, tuple(remarks))
 
 
@@ -119,10 +130,28 @@ def _corners(
     return corners, counts
 
 
-def _parts(is_object: BoolArray, is_face: BoolArray) -> IntArray:
-    """Return the object of every face, numbered from 0 without gaps."""
-    number = np.cumsum(is_object)[is_face]
-    return np.unique(number, return_inverse=True)[1].astype(np.int64)
+def _parts(
+    statements: Statements, keywords: NDArray[np.bytes_], is_face: BoolArray
+) -> tuple[IntArray, tuple[str, ...]]:
+    """Return the object of every face, numbered from 0 without gaps, and the names of objects."""
+    stated = ["", *(_name(words) for keyword, words in statements if keyword == b"o")]
+    numbers, parts = np.unique(np.cumsum(keywords == b"o")[is_face], return_inverse=True)
+    return parts.astype(np.int64), tuple(stated[k] for k in numbers.tolist())
+
+
+def _groups(
+    statements: Statements, keywords: NDArray[np.bytes_], is_face: BoolArray
+) -> tuple[IntArray, tuple[str, ...]]:
+    """Return the group of every face and the names of groups; equal names are one group."""
+    stated = ["", *(_name(words) for keyword, words in statements if keyword == b"g")]
+    first = np.array([stated.index(name) for name in stated], dtype=np.int64)
+    numbers, parts = np.unique(first[np.cumsum(keywords == b"g")][is_face], return_inverse=True)
+    return parts.astype(np.int64), tuple(stated[k] for k in numbers.tolist())
+
+
+def _name(words: bytes) -> str:
+    """Return the words of a statement as a name."""
+    return " ".join(words.decode("utf-8", errors="replace").split())
 
 
 def _check_counts(content: bytes, n_points: int, n_faces: int, path: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -44,6 +44,10 @@ class Map:
         Lines, in file order.
     n_points
         Number of points in the file.
+    feature_of
+        Number of the feature to which each ring belongs.
+    features
+        Name of every feature, empty if it has none.
     """
 
     rings: list[FloatArray] = field(default_factory=list)
@@ -52,6 +56,18 @@ class Map:
     places: list[str] = field(default_factory=list)
     lines: list[FloatArray] = field(default_factory=list)
     n_points: int = 0
+    feature_of: list[int] = field(default_factory=list)
+    features: list[str] = field(default_factory=list)
+
+    def begin_feature(self, name: str) -> None:
+        """Begin a feature, to which the following rings belong.
+
+        Parameters
+        ----------
+        name
+            Its name; empty if it has none.
+        """
+        self.features.append(name)
 
     def add_polygon(self, rings: Sequence[FloatArray], place: str) -> None:
         """Add a polygon: its outer ring, then its holes.
@@ -69,6 +85,7 @@ class Map:
             self.sides.append(-1 if k else 1)
             self.outer.append(first)
             self.places.append(f"{place}, ring {k}")
+            self.feature_of.append(len(self.features) - 1)
 
     def add_hole(self, ring: FloatArray, place: str) -> None:
         """Add a hole that is known to lie in another ring.
@@ -84,6 +101,7 @@ class Map:
         self.rings.append(ring)
         self.sides.append(-1)
         self.places.append(place)
+        self.feature_of.append(len(self.features) - 1)
 
 
 def reading_of_map(found: Map, *, name: str) -> Reading:
@@ -117,20 +135,25 @@ def reading_of_map(found: Map, *, name: str) -> Reading:
         remarks.append(Remark("noted", "polygon rings that do not end where they start", n_open))
     if not all(np.isfinite(ring).all() for ring in found.rings):
         return Reading(Outline.from_chains(found.rings, name=name), tuple(remarks))
-    rings, sides, of_rings = _resolve(found)
+    rings, sides, features, of_rings = _resolve(found)
     chains, n_turned = settle(rings, sides)
     remarks += [*of_rings, *turned_remark(n_turned), *count_copies(rings, sides)]
-    return Reading(Outline.from_chains(chains, name=name), tuple(remarks))
+    outline = Outline.from_chains(chains, name=name)
+    if found.features:
+        parts = np.array(features, dtype=np.int64)[outline.chains]
+        outline = replace(outline, parts=parts, part_names=tuple(found.features))
+    return Reading(outline, tuple(remarks))
 
 
-def _resolve(found: Map) -> tuple[list[FloatArray], list[int], list[Remark]]:
-    """Return rings without self-crossings, their sides, and remarks on changes."""
+def _resolve(found: Map) -> tuple[list[FloatArray], list[int], list[int], list[Remark]]:
+    """Return rings without self-crossings, their sides and features, and remarks on changes."""
     whole = [k for k, ring in enumerate(found.rings) if len(ring) > 2]
     regions: list[Any] = [None] * len(found.rings)
     for k, region in zip(whole, regions_of([found.rings[k] for k in whole]), strict=True):
         regions[k] = region
     rings: list[FloatArray] = []
     sides: list[int] = []
+    features: list[int] = []
     places: dict[str, list[str]] = {"crossing": [], "slip": [], "beside": []}
     for k, (ring, region) in enumerate(zip(found.rings, regions, strict=True)):
         off = crossing_area(ring, region) if region is not None else 0.0
@@ -147,7 +170,8 @@ def _resolve(found: Map) -> tuple[list[FloatArray], list[int], list[Remark]]:
                 places["slip"].append(found.places[k])
             rings.append(ring)
             sides.append(found.sides[k])
-    return rings, sides, _remarks_on(places)
+        features += [found.feature_of[k]] * (len(rings) - len(features))
+    return rings, sides, features, _remarks_on(places)
 
 
 def _remarks_on(places: dict[str, list[str]]) -> list[Remark]:

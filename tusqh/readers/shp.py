@@ -46,6 +46,7 @@ def read(path: Path) -> Reading:
         raise ValueError(f"the shapefile is damaged ({reason})") from reason
     found = Map()
     for number, shape in enumerate(shapes):
+        found.begin_feature("")
         _add(shape, found, f"shape {number}")
     return reading_of_map(found, name=path.name)
 

@@ -26,7 +26,7 @@ from tusqh.readers.reading import Reading
 
 _EXPECTED = "a complete STL file"
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-_BORDER = re.compile(rb"^[ \t]*(end[ \t]*solid|solid)\b[^\n]*", re.MULTILINE | re.IGNORECASE)
+_BORDER = re.compile(rb"^[ \t]*(end[ \t]*solid|solid)\b([^\n]*)", re.MULTILINE | re.IGNORECASE)
 
 
 def read(path: Path) -> Reading:
@@ -102,15 +102,26 @@ def _read_text(content: bytes, path: Path) -> Reading:
         raise damaged(path, "the text ends before `endsolid`", expected=_EXPECTED)
     starts = [0, *(border.end() for border in borders)]
     stops = [*(border.start() for border in borders), len(text)]
-    solids = [text[a:b] for a, b in zip(starts, stops, strict=True) if text[a:b].strip()]
-    facets = [_facets(solid.lower().split(), path) for solid in solids]
+    names = [b"", *(b"" if e else b[2].strip() for b, e in zip(borders, is_end, strict=True))]
+    solids = [
+        (text[a:b], name)
+        for a, b, name in zip(starts, stops, names, strict=True)
+        if text[a:b].strip()
+    ]
+    facets = [_facets(solid.lower().split(), path) for solid, _ in solids]
     if not facets:
         raise damaged(path, "the text has no facet", expected=_EXPECTED)
     points = np.concatenate([points for points, _ in facets])
     counts = np.concatenate([counts for _, counts in facets])
     triangles, facet = cut_polygons(np.arange(len(points)), counts)
     parts = np.repeat(np.arange(len(facets)), [len(counts) for _, counts in facets])
-    soup = Soup(points, triangles, parts[facet].astype(np.int64), name=path.name)
+    soup = Soup(
+        points,
+        triangles,
+        parts[facet].astype(np.int64),
+        name=path.name,
+        part_names=tuple(name.decode("utf-8", errors="replace") for _, name in solids),
+    )
     return Reading(soup, tuple(polygon_remarks(counts)))
 
 

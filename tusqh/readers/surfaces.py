@@ -29,20 +29,25 @@ _CORNERS = {1: 1, 3: 2, 5: 3, 8: 4, 9: 4, 10: 4, 11: 8, 12: 8, 13: 6, 14: 5, 15:
 _CORNERS |= {21: 3, 22: 6, 23: 8, 24: 10, 25: 20, 26: 15, 27: 13, 28: 9, 29: 27}
 
 
-def surfaces_of_scene(scene: Any) -> list[Part]:
-    """Return the meshes of a scene, placed as in the scene.
+def surfaces_of_scene(scene: Any) -> tuple[list[Part], list[str]]:
+    """Return the meshes of a scene, placed as in the scene, and the names of their nodes.
 
     Parameters
     ----------
     scene
         A `trimesh.Scene`.
 
+    Returns
+    -------
+    surfaces, names
+        Points and triangles of every mesh, and the name of its node.
+
     Raises
     ------
     ValueError
         A triangle has a corner that its part does not have.
     """
-    surfaces = []
+    surfaces, names = [], []
     for mesh in scene.dump(concatenate=False):
         faces = np.asarray(getattr(mesh, "faces", ()), dtype=np.int64).reshape(-1, 3)
         points = np.asarray(mesh.vertices, dtype=np.float64).reshape(-1, 3)
@@ -53,7 +58,8 @@ def surfaces_of_scene(scene: Any) -> list[Part]:
         ):
             raise ValueError(f"a corner is out of the range 0 .. {len(points) - 1} of its part")
         surfaces.append((points, faces))
-    return surfaces
+        names.append(str(mesh.metadata.get("node", "")))
+    return surfaces, names
 
 
 def surfaces_of_dataset(dataset: Any, *, name: str = "dataset") -> tuple[list[Part], list[Remark]]:

@@ -29,8 +29,8 @@ class Material(Section):
         "Geometry file of the material.", default=None, otherwise="the `geometry` of the model"
     )
     part: int | None = setting(
-        "Number of the part of that file, from 1: an object, solid or node of the file; if there "
-        "is only one, a connected piece.",
+        "Number of the part of that file, from 1: a solid, object, node or feature of the file; if "
+        "there is only one, a connected piece.",
         default=None,
         otherwise="all parts",
         at_least=1,

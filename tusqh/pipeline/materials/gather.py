@@ -17,6 +17,7 @@ from tusqh.geometry.kinds import Surface
 from tusqh.geometry.remark import Remark
 from tusqh.geometry.split_parts import split_parts
 from tusqh.pipeline.ingest import read_source
+from tusqh.pipeline.materials.part_names import name_parts
 from tusqh.readers.formats import suffixes_of
 from tusqh.readers.labels import as_whole_numbers
 from tusqh.settings.materials import Material
@@ -133,7 +134,8 @@ def _gather_parts(
         else:
             surfaces[material.name] = _part_of(parts, material)
     if not placed:
-        surfaces = {f"part_{k + 1}": part for k, part in enumerate(parts)}
+        surfaces, renamed = name_parts(parts)
+        remarks += renamed
     require_known(wishes, list(surfaces))
     return Gathered(tuple(wishes), surfaces, remarks=tuple(remarks))
 
