@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import pandas as pd
-
-from tusqh.fitting.distances import measure_distances
-from tusqh.fitting.fitted import FELL_BACK_COLUMNS, Fitted
+from tusqh.fitting.fitted import Fitted
+from tusqh.fitting.hexes import fit_hexes
 from tusqh.fitting.planar.quads import fit_quads
 from tusqh.fitting.target import Target
 from tusqh.grid import BoolArray
@@ -22,6 +20,10 @@ def fit_mesh(
 ) -> Fitted:
     """Return a mesh of quads or hexes whose boundary lies on the surface where that is possible.
 
+    The boundary is covered with a layer of elements; then vertices move.  Components, holes and
+    voids stay as they are.  Where fitting fails, the boundary stays at the smoothed staircase or at
+    the staircase itself, and `Fitted.fell_back` says so.
+
     Parameters
     ----------
     mesh
@@ -37,5 +39,4 @@ def fit_mesh(
     """
     if mesh.dim == 2:
         return fit_quads(mesh, target, fixed=fixed)
-    distances = measure_distances(mesh, target)
-    return Fitted(mesh, distances, pd.DataFrame(columns=list(FELL_BACK_COLUMNS)))
+    return fit_hexes(mesh, target, fixed=fixed, threshold=threshold)

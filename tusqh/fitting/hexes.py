@@ -1,0 +1,113 @@
+"""Fit the boundary of hexes to its target."""
+
+from __future__ import annotations
+
+import logging
+from time import perf_counter
+
+import numpy as np
+import pandas as pd
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from tusqh.fitting.distances import measure_distances
+from tusqh.fitting.fitted import Fitted
+from tusqh.fitting.repair import CROSSING, FOLD, Faults, list_regions, pull_back, put_back
+from tusqh.fitting.rounds import Rounds
+from tusqh.fitting.target import Target
+from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.meshes.element_mesh import ElementMesh
+from tusqh.meshes.volume_mesh import VolumeMesh
+
+_LOG = logging.getLogger("tusqh")
+
+
+def fit_hexes(
+    mesh: VolumeMesh,
+    target: Target,
+    *,
+    fixed: BoolArray | None = None,
+    threshold: float = 0.5,
+) -> Fitted:
+    """Return a mesh of hexes whose boundary lies on the surface where that is possible.
+
+    Every hex of the result is proven to be free of folds and no boundary facets cross, if that
+    holds for the given mesh.
+
+    Parameters
+    ----------
+    mesh
+        The mesh of a threshold.
+    target
+        Where its boundary should lie.
+    fixed
+        Points that do not move, shape (n,).
+    threshold
+        The threshold of the mesh: the boundary first follows the level sets from it to 1/2.
+    """
+    begin = perf_counter()
+    scale = (target.grid.cell_size, np.array(target.grid.origin))
+    rounds, regions = _cover(mesh, target, fixed, scale)
+    moving, skin = rounds.moving, rounds.skin
+    safe = moving.points.copy()
+    rounds.fit(threshold)
+    faults = Faults(moving, skin)
+    pulled = pull_back(moving, skin, rounds.calm)
+    touched = put_back(moving, skin, safe)
+    for is_in, what in (
+        (pulled & ~touched, "held at the smoothed staircase"),
+        (touched, "put back"),
+    ):
+        why = CROSSING if (faults.crossed & is_in).any() else FOLD
+        regions.append(list_regions(moving, is_in, what, why, scale))
+    covers = rounds.covers
+    new = VolumeMesh(
+        points=moving.points * scale[0] + scale[1],
+        cells=moving.cells,
+        kind=np.concatenate([mesh.kind, mesh.kind[covers]]),
+        grid_cell=np.concatenate([mesh.grid_cell, mesh.grid_cell[covers]]),
+        name=mesh.name,
+    )
+    distances = measure_distances(new, target, rounds.is_owned)
+    fell_back = pd.concat(regions, ignore_index=True)
+    return Fitted(new, distances, fell_back, {"seconds": perf_counter() - begin})
+
+
+def _cover(
+    mesh: ElementMesh,
+    target: Target,
+    fixed: BoolArray | None,
+    scale: tuple[float, FloatArray],
+) -> tuple[Rounds, list[pd.DataFrame]]:
+    """Return the mesh with a layer that has no fault, on as much of the boundary as possible.
+
+    Whole surfaces of the boundary lose the layer if it cannot be untangled on them.
+    """
+    surface = _surfaces(mesh)
+    is_covered = np.ones(len(surface), dtype=np.bool_)
+    regions: list[pd.DataFrame] = []
+    while True:
+        rounds = Rounds.of(mesh, target, fixed, is_covered)
+        if not is_covered.any():
+            return rounds, regions
+        rounds.untangle()
+        pull_back(rounds.moving, rounds.skin, rounds.stay())
+        faults = Faults(rounds.moving, rounds.skin)
+        if not faults.any.any():
+            return rounds, regions
+        _LOG.debug("a layer has faults at %d points", faults.any.sum())
+        why = CROSSING if faults.crossed.any() else FOLD
+        regions.append(list_regions(rounds.moving, faults.any, "without the layer", why, scale))
+        facets = rounds.skin.vertices[rounds.skin.facets]
+        is_near = rounds.moving.spread(faults.any, 1)[facets].any(axis=1) & is_covered
+        lost = surface[is_near] if is_near.any() else surface
+        is_covered &= ~np.isin(surface, lost)
+
+
+def _surfaces(mesh: ElementMesh) -> IntArray:
+    """Return the number of the surface to which every boundary facet belongs, shape (f,)."""
+    facets = mesh.facets.boundary
+    pairs = np.stack([facets.ravel(), np.roll(facets, 1, axis=1).ravel()])
+    graph = coo_array((np.ones(pairs.shape[1]), tuple(pairs)), shape=(len(mesh.points),) * 2)
+    number = connected_components(graph, directed=False)[1]
+    return np.asarray(number[facets[:, 0]], dtype=np.int64)
