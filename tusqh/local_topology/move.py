@@ -141,9 +141,9 @@ def move_to_base(seed: CellSet, base: CellSet) -> LocalCells:
     >>> found.kept.astype(int).tolist(), str(found.predicted), found.n_changes
     ([[1, 1, 1, 0, 1, 1]], '(2, 0, 0)', 1)
     """
-    votes, fractions = _votes_of(seed), seed.fractions
+    votes, fractions = votes_of(seed), seed.fractions
     differs = seed.kept != base.kept
-    is_held = differs & _touch_bridges(seed)
+    is_held = differs & touch_bridges(seed)
     kept = _change(seed, differs & ~is_held, votes)
     contacts = find_contacts(kept, votes)
     others = find_contacts(kept, fractions.values >= base.threshold)
@@ -173,7 +173,7 @@ def move_to_base(seed: CellSet, base: CellSet) -> LocalCells:
     return found
 
 
-def _votes_of(seed: CellSet) -> BoolArray:
+def votes_of(seed: CellSet) -> BoolArray:
     """Return which places of the doubled grid vote to connect, shape ``2 n + 1``."""
     votes = np.asarray(seed.fractions.values >= seed.threshold)
     if votes.ndim == 2:
@@ -185,7 +185,7 @@ def _votes_of(seed: CellSet) -> BoolArray:
     return votes
 
 
-def _touch_bridges(seed: CellSet) -> BoolArray:
+def touch_bridges(seed: CellSet) -> BoolArray:
     """Return the cells that touch a bridge, shape n."""
     on_bridge = np.zeros(np.add(seed.kept.shape, 1), dtype=bool)
     for bridge in seed.bridges:

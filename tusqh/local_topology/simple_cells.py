@@ -33,6 +33,31 @@ def is_simple(cell, place, kept, votes, link):  # type: ignore[no-untyped-def]
     link
         See `tusqh.local_topology.link.Link`.
     """
+    present = _find_present(cell, place, kept, votes, link)
+    every = (1 << len(link.cell)) - 1
+    return _is_one_piece(present, link.joined) and _is_one_piece(every & ~present, link.joined)
+
+
+@numba.njit(cache=True)
+def count_pieces(cell, place, kept, votes, link):  # type: ignore[no-untyped-def]
+    """Return the numbers of connected pieces of the present neighbours and of the absent ones.
+
+    Both are 1 for a simple cell.  No present one makes an island, two join or close a loop; two
+    absent ones close a membrane, and no absent one fills a void (in the plane a hole).
+
+    Parameters
+    ----------
+    cell, place, kept, votes, link
+        See `is_simple`.
+    """
+    present = _find_present(cell, place, kept, votes, link)
+    every = (1 << len(link.cell)) - 1
+    return _count_pieces(present, link.joined), _count_pieces(every & ~present, link.joined)
+
+
+@numba.njit(cache=True)
+def _find_present(cell, place, kept, votes, link):  # type: ignore[no-untyped-def]
+    """Return the neighbours of a cell that are present, as bits."""
     present = 0
     for i in range(len(link.cell)):
         k, others = link.codimension[i], 0
@@ -45,8 +70,27 @@ def is_simple(cell, place, kept, votes, link):  # type: ignore[no-untyped-def]
             is_present = others != 0
         if is_present:
             present |= 1 << i
-    every = (1 << len(link.cell)) - 1
-    return _is_one_piece(present, link.joined) and _is_one_piece(every & ~present, link.joined)
+    return present
+
+
+@numba.njit(cache=True)
+def _count_pieces(chosen, joined):  # type: ignore[no-untyped-def]
+    """Return the number of connected pieces of a set of neighbours."""
+    n = 0
+    while chosen:
+        n += 1
+        reached = chosen & -chosen
+        while True:
+            grown = reached
+            for i in range(len(joined)):
+                if reached >> i & 1:
+                    grown |= joined[i]
+            grown &= chosen
+            if grown == reached:
+                break
+            reached = grown
+        chosen &= ~reached
+    return n
 
 
 @numba.njit(cache=True)

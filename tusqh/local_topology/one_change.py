@@ -1,0 +1,162 @@
+"""Change one class of the topology by the fewest cells around the place where it begins or ends.
+
+Simple cells around the place are changed first, which changes no topology, until the cell at the
+place is the only one that still separates two parts, closes a loop or leaves a membrane open.  This
+cell is changed too: one event, whose effect is measured.  Then all changes that are simple are
+undone, the farthest first, and what is left is a thin path or membrane through the place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from tusqh.grid import BoolArray, IntArray
+from tusqh.local_topology.workspace import Workspace
+from tusqh.topology.betti_numbers import BettiNumbers
+
+#: Largest number of cells around the place that are tried as the event at each distance.
+_TRIALS = 6
+
+
+class Event(NamedTuple):
+    """What one change shall do.
+
+    Parameters
+    ----------
+    dimension
+        Dimension of the class: 0, 1 or 2.
+    begins
+        Whether a class begins; otherwise one ends.
+    adds
+        Whether cells are added; otherwise they are removed.
+    """
+
+    dimension: int
+    begins: bool
+    adds: bool
+
+    def pieces(self, dim: int) -> tuple[int, int]:
+        """Return the pieces of the neighbours of the last cell, present ones and absent ones.
+
+        Parameters
+        ----------
+        dim
+            Dimension of the grid.
+
+        Examples
+        --------
+        A tunnel is filled by a membrane, whose last cell has two absent pieces; a loop is cut at a
+        cell with two present ones:
+
+        >>> Event(1, begins=False, adds=True).pieces(3), Event(1, begins=False, adds=False).pieces(3)
+        ((1, 2), (2, 1))
+        """
+        # As if the cell were added: a class of this dimension begins, or one of it ends.
+        is_born = self.begins == self.adds
+        if is_born and self.dimension == 0:
+            return 0, 1
+        if not is_born and self.dimension == dim - 1:
+            return 1, 0
+        if dim == 2:
+            return 2, 2
+        opens_link = self.dimension == (1 if is_born else 0)
+        return (2, 1) if opens_link else (1, 2)
+
+    @property
+    def effect(self) -> tuple[int, int, int]:
+        """The change of the Betti numbers."""
+        sign = 1 if self.begins else -1
+        return tuple(sign * (k == self.dimension) for k in range(3))  # type: ignore[return-value]
+
+
+#: Decides whether cells with the right Betti numbers have changed the class that was meant.
+Accepts = Callable[[BoolArray], bool]
+
+
+def change_class(
+    space: Workspace,
+    kept: BoolArray,
+    place: int,
+    event: Event,
+    *,
+    accepts: Accepts | None = None,
+) -> BoolArray | None:
+    """Return cells in which one event has happened at a place, None if it cannot.
+
+    Parameters
+    ----------
+    space
+        Votes and fixed cells.
+    kept
+        Kept cells of the flat grid.
+    place
+        Flat index into the doubled grid of the place where the class begins or ends.
+    event
+        What shall happen.
+    accepts
+        Decides whether the class that was meant has changed.
+    """
+    around = space.cells_at(place)
+    center = _center(space, kept, around, event)
+    before = space.cell_set(kept).predicted
+    wanted = BettiNumbers(*np.add(before, event.effect).tolist())
+    for radius in _radii(max(space.shape)):
+        cells = space.cells_near(center, radius)
+        cells = cells[(kept[cells] != event.adds) & ~space.is_fixed[cells]]
+        for last, grown in _grow(space, kept, cells, center, event):
+            grown[last] = event.adds
+            if space.cell_set(grown).predicted == wanted and (accepts is None or accepts(grown)):
+                return _prune(space, kept, grown, last)
+            grown[last] = not event.adds
+    return None
+
+
+def _center(space: Workspace, kept: BoolArray, around: IntArray, event: Event) -> int:
+    """Return the cell at a place: the one that can change and whose fraction is the nearest."""
+    value = space.fraction[around] * (1 if event.adds else -1)
+    cannot = (kept[around] == event.adds) | space.is_fixed[around]
+    return int(around[np.lexsort((around, -value, cannot))[0]])
+
+
+def _radii(largest: int) -> Iterator[int]:
+    """Yield distances around the place, up to the whole grid."""
+    radius = 1
+    while radius < largest:
+        yield radius
+        radius = max(radius + 1, int(radius * 1.5))
+    yield largest
+
+
+def _grow(
+    space: Workspace, kept: BoolArray, cells: IntArray, center: int, event: Event
+) -> Iterator[tuple[int, BoolArray]]:
+    """Yield cells that make the event when they change, with all simple changes before them."""
+    value = space.fraction[cells] * (1 if event.adds else -1)
+    distance = space.squared_distance(cells, center)
+    cells = cells[np.lexsort((cells, -distance, -value))]
+    pieces = event.pieces(space.dim)
+    for is_free in (False, True):
+        grown = kept.copy()
+        space.change_simple(grown, cells if is_free else cells[cells != center])
+        left = cells[grown[cells] != event.adds]
+        left = left[np.argsort(space.squared_distance(left, center), kind="stable")]
+        n = 0
+        for last in left.tolist():
+            if n < _TRIALS and space.count_pieces(grown, last) == pieces:
+                n += 1
+                yield last, grown
+
+
+def _prune(space: Workspace, kept: BoolArray, grown: BoolArray, last: int) -> BoolArray:
+    """Return the cells after undoing all changes that are simple, the farthest first."""
+    found = grown.copy()
+    for keeps_last in (True, False):
+        changed = np.flatnonzero(found != kept).astype(np.int64)
+        if keeps_last:
+            changed = changed[changed != last]
+        distance = space.squared_distance(changed, last)
+        space.change_simple(found, changed[np.argsort(-distance, kind="stable")])
+    return found
