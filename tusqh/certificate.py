@@ -20,7 +20,9 @@ from tusqh import __version__
 from tusqh.antialias.cells import CellSet, CellSets
 from tusqh.errors import MeshError
 from tusqh.hashing import hash_file
-from tusqh.local_topology.move import approach, changes_of
+from tusqh.local_topology.feature_cells import repeat_choice
+from tusqh.local_topology.move import changes_of
+from tusqh.local_topology.wishes import Wish
 from tusqh.meshes.checks import Check
 from tusqh.meshes.export import read_vtu
 from tusqh.meshes.measure import Measurement
@@ -134,7 +136,8 @@ def check_certificate(path: Path, mesh_file: Path, mesh: VolumeMesh) -> list[Che
         chosen = stored["selection"]
         cell_sets = CellSets(load_fractions(fractions_file), Policy.from_dict(chosen["policy"]))
         raw = cell_sets.topology.betti_at(chosen["threshold"])
-        cells = approach(cell_sets, chosen["base"]).at(chosen["threshold"])
+        wishes = [Wish(**wish) for wish in chosen["features"]]
+        cells = repeat_choice(cell_sets, chosen["base"], wishes).at(chosen["threshold"])
         recomputed |= {
             "fractions": hash_file(fractions_file),
             **_claim_of_cells(cells, raw),

@@ -175,7 +175,7 @@ _MESH_TO_VERDICT = (
         "changes",
         "changes.csv",
         "with local scope: the cells that differ from those of the base, in groups",
-        _columns("change cells volume smallest_fraction largest_fraction x y z"),
+        _columns("change cells volume smallest_fraction largest_fraction do class row x y z"),
     ),
     ResultFile(
         "certificate",

@@ -22,8 +22,8 @@ VALUES = {
     **{"tolerance": "1e-3", "window": "0,0,1,1", "voxel_size": "2", "empty": "1", "full": "2"},
     **{"labels": "1", "channel": "0", "threshold": "0.25", "betti": "1,0", "persistence": "0.1"},
     **{"volume": True, "bridges": "none", "volume_tolerance": "0.1"},
-    **{"scope": "local", "base": "0.25"},
     **{"voxels": "6,6,6", "voxel_order": "zyx"},
+    **{"scope": "local", "base": "0.25", "open": ["0"], "cut": ["1"], "fill": ["hole@0,1"]},
     "checks": True,
     **{
         prefix + name: value

@@ -90,7 +90,7 @@ class CellSet:
         without = predict_betti(self.labels, self.contacts, 2)[MATERIAL]
         if not self.bridges:
             return without
-        betti_0 = int(_label_with_bridges(self.labels, self.contacts, self.bridges).max())
+        betti_0 = int(label_with_bridges(self.labels, self.contacts, self.bridges).max())
         n_more_holes = len(self.bridges) - (without.betti_0 - betti_0)
         return BettiNumbers(betti_0, without.betti_1 + n_more_holes, without.betti_2)
 
@@ -275,7 +275,7 @@ class CellSets:
         if self.policy.components.keeps_all:
             return state
         is_small, table = find_small_features(
-            _label_with_bridges(state.labels, state.contacts, state.bridges),
+            label_with_bridges(state.labels, state.contacts, state.bridges),
             self.policy.components,
             self.fractions,
             self.topology.persistence_by_cell[0],
@@ -306,8 +306,16 @@ class CellSets:
         return pd.DataFrame(columns=[*FEATURE_COLUMNS, *"xyz"[: self.fractions.grid.dim]])
 
 
-def _label_with_bridges(labels: Labels, contacts: Contacts, bridges: list[Bridge]) -> IntArray:
-    """Return the component of every kept cell, numbered from 1, joined by bridges; shape n."""
+def label_with_bridges(labels: Labels, contacts: Contacts, bridges: list[Bridge]) -> IntArray:
+    """Return the component of every kept cell, numbered from 1, joined by bridges; shape n.
+
+    Parameters
+    ----------
+    labels, contacts
+        See `tusqh.antialias.components.label_kept`.
+    bridges
+        Paths of grid edges that join components.
+    """
     component = label_kept(labels, contacts)
     if not bridges:
         return component

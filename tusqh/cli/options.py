@@ -123,7 +123,8 @@ def to_parameter(argument: Argument) -> inspect.Parameter:
     """
     about = argument.entry.setting
     unit = f" Unit: {about.unit}." if about.unit else ""
-    form = getattr(argument.kind, "option_form", "")
+    form = " May be given several times." if argument.word else ""
+    form = getattr(argument.kind, "option_form", form)
     owner = f"{argument.owner.capitalize()}: " if argument.owner else ""
     help_text = owner + about.sentence + form + unit + _default_in_words(argument)
     option = typer.Option(
@@ -133,7 +134,7 @@ def to_parameter(argument: Argument) -> inspect.Parameter:
         rich_help_panel=f"{argument.title} options",
         show_default=False,
     )
-    kind: Any = bool if argument.is_flag else str | None
+    kind: Any = bool if argument.is_flag else list[str] | None if argument.word else str | None
     return inspect.Parameter(
         argument.name,
         inspect.Parameter.KEYWORD_ONLY,

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from scipy import ndimage
 
-from tusqh.grid import BoolArray
+from tusqh.grid import BoolArray, IntArray
 from tusqh.sampling.fractions import VolumeFractions
 
 #: Values of the column `change`.
@@ -14,6 +14,7 @@ ADDED, LEFT_OUT = "added", "left out"
 
 #: Columns of the table of changes, before the coordinates.
 CHANGE_COLUMNS = ["change", "cells", "volume", "smallest_fraction", "largest_fraction"]
+CHANGE_COLUMNS += ["do", "class", "row"]
 
 
 def tabulate_changes(
@@ -24,7 +25,7 @@ def tabulate_changes(
     Cells of a group touch one another, at least at a vertex.  The largest groups come first.  Each
     row has the kind of change, the number of cells, their volume (model units**dim), the smallest
     and largest fraction among them, and the centre of the cell nearest to the middle of the group
-    (model units).
+    (model units).  `do`, `class` and `row` are empty, because no single feature was wished for.
 
     Parameters
     ----------
@@ -49,11 +50,26 @@ def tabulate_changes(
         groups, n_groups = ndimage.label(is_changed, touching)
         for k, box in enumerate(ndimage.find_objects(groups, n_groups), start=1):
             at = np.argwhere(groups[box] == k) + [along.start for along in box]
-            values = fractions.cells[tuple(at.T)]
-            middle = at[((at - at.mean(axis=0)) ** 2).sum(axis=1).argmin()]
-            volume = len(at) * grid.cell_size**grid.dim
-            place = grid.to_points(middle[None] + 0.5)[0]
-            rows.append([name, len(at), volume, values.min(), values.max(), *place])
+            group = describe_group(at, fractions)
+            rows.append([name, *group[:4], "", "", pd.NA, *group[4:]])
     table = pd.DataFrame(rows, columns=[*CHANGE_COLUMNS, *"xyz"[: grid.dim]])
     table = table.sort_values("cells", ascending=False, kind="stable", ignore_index=True)
-    return table.astype({"cells": np.int64})
+    return table.astype({"cells": np.int64, "row": "Int64"})
+
+
+def describe_group(at: IntArray, fractions: VolumeFractions) -> list[float]:
+    """Return the number of cells, their volume, smallest and largest fraction, and their middle.
+
+    The middle is the centre of the cell nearest to the mean of all (model units).
+
+    Parameters
+    ----------
+    at
+        Indices of the cells, shape (r, dim).
+    fractions
+        The volume fractions.
+    """
+    grid, values = fractions.grid, fractions.cells[tuple(at.T)]
+    middle = at[((at - at.mean(axis=0)) ** 2).sum(axis=1).argmin()]
+    volume = len(at) * grid.cell_size**grid.dim
+    return [len(at), volume, values.min(), values.max(), *grid.to_points(middle[None] + 0.5)[0]]

@@ -86,7 +86,7 @@ def points_of(places: IntArray, grid: BackgroundGrid) -> FloatArray:
 
 
 def refine(multiples: Multiples) -> Multiples:
-    """Return levels in the order of the multiples, which also tell equally empty or full cells apart.
+    """Return levels in the order of the multiples, which tell equally empty or full cells apart.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def _squared_depth(chosen: BoolArray, *, border: bool) -> IntArray:
         return np.ones(chosen.shape, dtype=np.int64)
     depth = ndimage.distance_transform_edt(padded)
     inner = depth[(slice(1, -1),) * chosen.ndim]
-    return np.rint(inner**2).astype(np.int64)
+    return np.asarray(np.rint(inner**2), dtype=np.int64)
 
 
 def _rank(chosen: BoolArray, values: IntArray) -> IntArray:

@@ -27,6 +27,7 @@ from tusqh.grid.neighbourhoods import at_corners
 from tusqh.local_topology.changes import CHANGE_COLUMNS, tabulate_changes
 from tusqh.local_topology.link import link_in
 from tusqh.local_topology.simple_cells import change_simple
+from tusqh.local_topology.wishes import Wish
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,8 @@ class LocalCells(CellSet):
         Number of cells that were not tried because they touch a bridge.
     n_other_contacts
         Number of contacts that would vote otherwise at the threshold of the base.
+    wishes
+        What was done about single features of the base.
     """
 
     base: float
@@ -55,6 +58,7 @@ class LocalCells(CellSet):
     changes: pd.DataFrame
     n_held: int
     n_other_contacts: int
+    wishes: tuple[Wish, ...] = ()
 
     @property
     def n_changes(self) -> int:
@@ -174,7 +178,13 @@ def move_to_base(seed: CellSet, base: CellSet) -> LocalCells:
 
 
 def votes_of(seed: CellSet) -> BoolArray:
-    """Return which places of the doubled grid vote to connect, shape ``2 n + 1``."""
+    """Return which places of the doubled grid vote to connect, shape ``2 n + 1``.
+
+    Parameters
+    ----------
+    seed
+        The cells, with their threshold and bridges.
+    """
     votes = np.asarray(seed.fractions.values >= seed.threshold)
     if votes.ndim == 2:
         # Pinches that are joined as bridges connect against their vote; the third of the cells
@@ -186,7 +196,13 @@ def votes_of(seed: CellSet) -> BoolArray:
 
 
 def touch_bridges(seed: CellSet) -> BoolArray:
-    """Return the cells that touch a bridge, shape n."""
+    """Return the cells that touch a bridge, shape n.
+
+    Parameters
+    ----------
+    seed
+        The cells, with their bridges.
+    """
     on_bridge = np.zeros(np.add(seed.kept.shape, 1), dtype=bool)
     for bridge in seed.bridges:
         on_bridge[tuple(bridge.vertices.T)] = True

@@ -20,6 +20,9 @@ from tusqh.topology.betti_numbers import BettiNumbers
 #: Largest number of cells around the place that are tried as the event at each distance.
 _TRIALS = 6
 
+#: A class that ends is the one at its place if a cell this near to the place changes.
+_NEAR = 2
+
 
 class Event(NamedTuple):
     """What one change shall do.
@@ -46,13 +49,18 @@ class Event(NamedTuple):
         dim
             Dimension of the grid.
 
+        Returns
+        -------
+        present, absent
+            The two numbers.
+
         Examples
         --------
         A tunnel is filled by a membrane, whose last cell has two absent pieces; a loop is cut at a
         cell with two present ones:
 
-        >>> Event(1, begins=False, adds=True).pieces(3), Event(1, begins=False, adds=False).pieces(3)
-        ((1, 2), (2, 1))
+        >>> [Event(1, begins=False, adds=adds).pieces(3) for adds in (True, False)]
+        [(1, 2), (2, 1)]
         """
         # As if the cell were added: a class of this dimension begins, or one of it ends.
         is_born = self.begins == self.adds
@@ -82,6 +90,7 @@ def change_class(
     place: int,
     event: Event,
     *,
+    is_fixed: BoolArray,
     accepts: Accepts | None = None,
 ) -> BoolArray | None:
     """Return cells in which one event has happened at a place, None if it cannot.
@@ -89,35 +98,43 @@ def change_class(
     Parameters
     ----------
     space
-        Votes and fixed cells.
+        Votes of the contacts.
     kept
         Kept cells of the flat grid.
     place
         Flat index into the doubled grid of the place where the class begins or ends.
     event
         What shall happen.
+    is_fixed
+        Cells of the flat grid that do not change.
     accepts
         Decides whether the class that was meant has changed.
     """
     around = space.cells_at(place)
-    center = _center(space, kept, around, event)
+    center = _center(space, kept, around, event, is_fixed)
     before = space.cell_set(kept).predicted
     wanted = BettiNumbers(*np.add(before, event.effect).tolist())
+    is_near = np.zeros(len(kept), dtype=bool)
+    is_near[space.cells_near(center, _NEAR)] = True
     for radius in _radii(max(space.shape)):
         cells = space.cells_near(center, radius)
-        cells = cells[(kept[cells] != event.adds) & ~space.is_fixed[cells]]
+        cells = cells[(kept[cells] != event.adds) & ~is_fixed[cells]]
         for last, grown in _grow(space, kept, cells, center, event):
             grown[last] = event.adds
             if space.cell_set(grown).predicted == wanted and (accepts is None or accepts(grown)):
-                return _prune(space, kept, grown, last)
+                found = _prune(space, kept, grown, last)
+                if event.begins or (found != kept)[is_near].any():
+                    return found
             grown[last] = not event.adds
     return None
 
 
-def _center(space: Workspace, kept: BoolArray, around: IntArray, event: Event) -> int:
+def _center(
+    space: Workspace, kept: BoolArray, around: IntArray, event: Event, is_fixed: BoolArray
+) -> int:
     """Return the cell at a place: the one that can change and whose fraction is the nearest."""
     value = space.fraction[around] * (1 if event.adds else -1)
-    cannot = (kept[around] == event.adds) | space.is_fixed[around]
+    cannot = (kept[around] == event.adds) | is_fixed[around]
     return int(around[np.lexsort((around, -value, cannot))[0]])
 
 

@@ -36,11 +36,23 @@ class Workspace:
         self.is_fixed = np.pad(touch_bridges(start), 1, constant_values=True).ravel()
 
     def flatten(self, kept: BoolArray) -> BoolArray:
-        """Return cells of the grid, shape n, on the flat grid."""
+        """Return cells of the grid on the flat grid.
+
+        Parameters
+        ----------
+        kept
+            Cells of the grid, shape n.
+        """
         return np.pad(kept, 1).ravel()
 
     def unflatten(self, kept: BoolArray) -> BoolArray:
-        """Return cells of the flat grid as cells of the grid, shape n."""
+        """Return cells of the flat grid as cells of the grid, shape n.
+
+        Parameters
+        ----------
+        kept
+            Cells of the flat grid.
+        """
         return np.asarray(kept.reshape(self.shape)[(slice(1, -1),) * self.dim])
 
     def cells_at(self, place: int) -> IntArray:
@@ -55,7 +67,7 @@ class Workspace:
         index = np.array(np.unravel_index(place, inner))
         ranges = [[i // 2 + 1] if i % 2 else [i // 2, i // 2 + 1] for i in index.tolist()]
         cells = np.stack(np.meshgrid(*ranges, indexing="ij"), axis=-1).reshape(-1, self.dim)
-        return np.ravel_multi_index(tuple(cells.T), self.shape).astype(np.int64)
+        return self._to_flat(tuple(cells.T))
 
     def cells_near(self, cell: int, radius: int) -> IntArray:
         """Return the flat cells of the grid within a distance along each axis, shape (r,).
@@ -67,13 +79,12 @@ class Workspace:
         radius
             Largest difference of the indices.
         """
-        at = np.unravel_index(cell, self.shape)
+        at = [int(i) for i in np.unravel_index(cell, self.shape)]
         ranges = [
             np.arange(max(1, i - radius), min(n - 1, i + radius + 1))
             for i, n in zip(at, self.shape, strict=True)
         ]
-        grid = np.meshgrid(*ranges, indexing="ij")
-        return np.ravel_multi_index(tuple(grid), self.shape).ravel().astype(np.int64)
+        return self._to_flat(tuple(np.meshgrid(*ranges, indexing="ij"))).ravel()
 
     def squared_distance(self, cells: IntArray, cell: int) -> IntArray:
         """Return the squared distances of flat cells to one of them, in cells, shape (r,).
@@ -111,6 +122,11 @@ class Workspace:
             Cells of the flat grid.
         cell
             Flat index of the cell.
+
+        Returns
+        -------
+        present, absent
+            The two numbers.
         """
         place = self._places(np.array([cell]))[0]
         found = count_pieces(cell, place, kept, self._flat_votes, self._link)
@@ -126,6 +142,10 @@ class Workspace:
         """
         cells = self.unflatten(kept)
         return replace(self.start, kept=cells, contacts=find_contacts(cells, self.votes))
+
+    def _to_flat(self, index: tuple[IntArray, ...]) -> IntArray:
+        """Return the flat cells of indices along each axis."""
+        return np.asarray(np.ravel_multi_index(index, self.shape), dtype=np.int64)
 
     def _places(self, cells: IntArray) -> IntArray:
         """Return the places of flat cells on the doubled grid of the flat grid."""

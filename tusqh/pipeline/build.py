@@ -16,7 +16,8 @@ from tusqh.atomic import write_text
 from tusqh.certificate import make_certificate
 from tusqh.errors import TopologyError
 from tusqh.hashing import canonical_json
-from tusqh.local_topology.move import LocalCells, approach, changes_of
+from tusqh.local_topology.feature_cells import repeat_choice
+from tusqh.local_topology.move import LocalCells, changes_of
 from tusqh.meshes.checks import Check
 from tusqh.meshes.export import write_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
@@ -190,7 +191,9 @@ def build(
     """
     resolved = selection.resolved
     if resolved is None or resolved.mesh.name != name:
-        cell_sets = approach(CellSets(fractions, selection.policy), selection.base)
+        cell_sets = repeat_choice(
+            CellSets(fractions, selection.policy), selection.base, selection.wishes
+        )
         cells = selection.cells or cell_sets.at(selection.threshold)
         resolved = build_mesh(cells, fractions.grid, name=name)
     if original is None:

@@ -48,6 +48,7 @@ def mesh(
     persistence: float | None = None,
     volume: Literal["match"] | None = None,
     scope: Scope = "global",
+    features: Sequence[Mapping[str, Any]] | None = None,
     base: Base = 0.5,
     window: Sequence[Sequence[float]] | None = None,
     domain: Domain = "inside",
@@ -96,6 +97,9 @@ def mesh(
     scope
         With `betti` or `persistence`: ``"local"`` keeps the cells of the threshold `base` and adds
         or leaves out only those that the topology needs.
+    features
+        Single features of the persistence diagram that are opened, cut or filled, such as
+        ``[{"near": (0, 0, 1), "class": "hole", "do": "fill"}, {"row": 3, "do": "cut"}]``.
     base
         With ``scope="local"``: that threshold, or ``"match"`` for the one whose cells have the
         volume of the geometry.

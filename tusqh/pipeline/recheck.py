@@ -12,7 +12,8 @@ from tusqh.antialias.resolve import Resolved
 from tusqh.certificate import read_certificate
 from tusqh.files import path_of
 from tusqh.geometry.canonical import load_geometry
-from tusqh.local_topology.move import approach
+from tusqh.local_topology.feature_cells import repeat_choice
+from tusqh.local_topology.wishes import Wish
 from tusqh.meshes.checks import Check
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.original import Original, to_warnings
@@ -55,7 +56,11 @@ def recheck(path: Path, mesh: VolumeMesh) -> list[Check]:
     if fractions.placement is not None or "placement" in stored:
         checks.append(_equal("placement", "grid", _placement(sampled), stored.get("placement")))
     chosen = stored["selection"]
-    cells = approach(CellSets(fractions, Policy.from_dict(chosen["policy"])), chosen["base"])
+    cells = repeat_choice(
+        CellSets(fractions, Policy.from_dict(chosen["policy"])),
+        chosen["base"],
+        [Wish(**wish) for wish in chosen["features"]],
+    )
     resolved = Resolved(mesh, cells.at(chosen["threshold"]))
     comparison = original.compare(resolved, fractions, original.reference(fractions))
     warnings = to_warnings(comparison)

@@ -37,6 +37,8 @@ class Argument:
     owner
         Name of the enclosing section if the setting's own name is ambiguous, such as
         ``components``.
+    word
+        The option if it adds an entry to a list, such as ``fill``; empty for other settings.
     """
 
     name: str
@@ -45,6 +47,7 @@ class Argument:
     entry: Entry
     title: str
     owner: str
+    word: str = ""
 
     @property
     def kind(self) -> Any:
@@ -69,6 +72,8 @@ class Argument:
     @property
     def option(self) -> str:
         """The name on the command line."""
+        if self.word:
+            return f"--{self.word}"
         words = f"{self.choices[0]}_{self.name}" if self.is_flag else self.name
         return "--" + words.replace("_", "-")
 
@@ -115,7 +120,14 @@ def options_of(section: type[Section]) -> list[Argument]:
     >>> [argument.option for argument in options_of(Voxels)]
     ['--voxel-size', '--empty', '--full', '--labels', '--channel']
     """
-    return list(_arguments(section, lambda entry: not entry.setting.argument))
+    found = _arguments(section, lambda entry: not entry.setting.argument)
+    return [option for argument in found for option in _by_word(argument)]
+
+
+def _by_word(argument: Argument) -> list[Argument]:
+    """Return the options of an argument: one, or one for each word that adds to a list."""
+    words = argument.entry.setting.words
+    return [dataclasses.replace(argument, name=w, word=w) for w in words] or [argument]
 
 
 def from_arguments(section: type[S], values: Mapping[str, Any]) -> S:
@@ -153,7 +165,7 @@ def from_arguments(section: type[S], values: Mapping[str, Any]) -> S:
     return section.from_dict(block, locate=_locate_by(names))
 
 
-def from_options(section: type[S], values: Mapping[str, str | bool | None]) -> S:
+def from_options(section: type[S], values: Mapping[str, Any]) -> S:
     """Return the checked section that options of the command line describe.
 
     Parameters
@@ -161,8 +173,8 @@ def from_options(section: type[S], values: Mapping[str, str | bool | None]) -> S
     section
         The section.
     values
-        The text of each option, by the names of `options_of`; None or False for those that are not
-        given.
+        The text of each option, by the names of `options_of`, a list of texts for one that may be
+        given several times; None or False for those that are not given.
 
     Raises
     ------
@@ -180,15 +192,22 @@ def from_options(section: type[S], values: Mapping[str, str | bool | None]) -> S
     schema = schema_of(kind)
     block: dict[str, Any] = {}
     for name, text in values.items():
+        argument, value = options[name], text
         if text is None or text is False:
             continue
-        argument, value = options[name], text
-        if argument.is_flag:
+        if argument.word:
+            convert = functools.partial(get_args(argument.kind)[0].from_option, argument.word)
+            value = block.get(argument.entry.name, [])
+            value = [*value, *(_read(convert, t, f"option {argument.option}") for t in text)]
+        elif argument.is_flag:
             value = argument.choices[0]
         elif argument.is_section:
             value = _read(argument.kind.from_option, text, f"option {argument.option}")
         _put(block, argument.path, value)
-    names = {argument.path: f"option {argument.option}" for argument in options.values()}
+    names: dict[Path, str] = {}
+    for argument in options.values():
+        before = names.get(argument.path)
+        names[argument.path] = (f"{before} or " if before else "option ") + argument.option
     block = from_text(block, schema, schema.get("$defs", {}))
     return section.from_dict(block, locate=_locate_by(names))
 
@@ -215,6 +234,10 @@ def to_words(settings: Section, *, without: tuple[str, ...] = ()) -> list[str]:
         value = argument.value_in(settings)
         is_default = argument.attributes[0] in without or value == argument.value_in(defaults)
         if value is None or is_default:
+            continue
+        if argument.word:
+            chosen = [entry.to_option() for entry in value if entry.do == argument.word]
+            words += [f"{argument.option}={text}" for text in chosen]
             continue
         text = value.to_option() if argument.is_section else _to_text(value)
         if argument.is_flag:

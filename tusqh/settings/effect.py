@@ -40,7 +40,7 @@ def find_without_effect(settings: Section, kind: str) -> Iterator[str]:
 def _find(settings: Section, kind: str, *, prefix: str, kinds: tuple[str, ...]) -> Iterator[str]:
     """Yield the settings without an effect in a section that applies to the given kinds."""
     for entry in entries_of(type(settings)):
-        about, value = entry.setting, getattr(settings, entry.name)
+        about, value = entry.setting, getattr(settings, entry.field)
         name, applies_to = prefix + entry.name, about.kinds or kinds
         needed = {key: wish for key, wish in about.needs.items() if getattr(settings, key) != wish}
         if isinstance(value, Section):

@@ -51,6 +51,11 @@ class Setting:
         Values of neighbours without which it has no effect.
     needs_one_of
         Neighbours without any of which it has no effect.
+    key
+        Its key in the configuration, if the name of the field cannot be one; empty: that name.
+    words
+        Options of the command line, each of which may be given several times and adds an entry to
+        a list; empty: one option.
     """
 
     sentence: str
@@ -68,6 +73,8 @@ class Setting:
     kinds: tuple[str, ...] = ()
     needs: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     needs_one_of: tuple[str, ...] = ()
+    key: str = ""
+    words: tuple[str, ...] = ()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -77,19 +84,22 @@ class Entry:
     Parameters
     ----------
     name
-        Name of the field, and of the key.
+        Name of the key.
     hint
         Type of the field.
     default
         Default; `dataclasses.MISSING` if the setting is required.
     setting
         Further properties.
+    field
+        Name of the field.
     """
 
     name: str
     hint: Any
     default: Any
     setting: Setting
+    field: str
 
 
 #: The fields of the sections that were asked for (mypy refuses dataclasses in `functools.cache`).
@@ -144,5 +154,6 @@ def entries_of(section: type) -> tuple[Entry, ...]:
         if field.default_factory is not dataclasses.MISSING:
             default = field.default_factory()
         about = field.metadata["setting"]
-        entries.append(Entry(field.name, hints[field.name], default, about))
+        name = about.key or field.name
+        entries.append(Entry(name, hints[field.name], default, about, field.name))
     return _ENTRIES.setdefault(section, tuple(entries))

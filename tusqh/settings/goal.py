@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
+from tusqh.settings.features import Feature
 from tusqh.settings.field import entries_of, setting
 from tusqh.settings.section import Section
 from tusqh.settings.validate import Path
@@ -165,6 +166,15 @@ class Goal(Section):
         default="global",
         needs_one_of=("target", "persistence"),
     )
+    features: tuple[Feature, ...] | None = setting(
+        "Single features that are kept or made (open), or ended by leaving out (cut) or adding "
+        "cells (fill): a row of `diagram.csv`, or the class and the point it is nearest to, as "
+        "hole@0.5,1,2. The other cells are those of the `threshold`, or with `target` of `base`.",
+        default=None,
+        otherwise="none",
+        words=("open", "cut", "fill"),
+        metavar="ROW|CLASS@X,Y",
+    )
     base: Base = setting(
         "The threshold whose cells the local scope keeps where it can; `match` takes the one whose "
         "cells have the volume nearest to that of the geometry.",
@@ -174,6 +184,20 @@ class Goal(Section):
         needs={"scope": "local"},
         metavar="T",
     )
+
+    def find_contradictions(self) -> Iterator[tuple[Path, str, str]]:
+        """Yield wishes for features that contradict one another or another goal."""
+        yield from super().find_contradictions()
+        rows: dict[int, str] = {}
+        for k, feature in enumerate(self.features or ()):
+            for path, found, expected in feature.find_contradictions():
+                yield ("features", str(k), *path), found, expected
+            if feature.row is not None and rows.setdefault(feature.row, feature.do) != feature.do:
+                found = f"row {feature.row} is in two wishes, {rows[feature.row]} and {feature.do}"
+                yield ("features", str(k)), found, "one wish for each feature"
+        for other in ("persistence", "volume"):
+            if self.features and getattr(self, other) is not None:
+                yield ("features",), f"`{other}` is given too", "`threshold` or `target`, or none"
 
 
 def _in_words(name: str, wanted: Wanted) -> str:

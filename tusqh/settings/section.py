@@ -68,7 +68,7 @@ class Section:
         """
         plain: dict[str, Any] = {}
         for entry in entries_of(type(self)):
-            value = getattr(self, entry.name)
+            value = getattr(self, entry.field)
             if value is None or (not defaults and value == entry.default):
                 continue
             if isinstance(value, Section):
@@ -83,7 +83,7 @@ class Section:
     def find_contradictions(self) -> Iterator[tuple[Path, str, str]]:
         """Yield the path, finding and expectation for values that contradict each other."""
         for entry in entries_of(type(self)):
-            value = getattr(self, entry.name)
+            value = getattr(self, entry.field)
             within: Mapping[Any, Any] = value if isinstance(value, Mapping) else {None: value}
             for key, inner in within.items():
                 steps = (None if entry.setting.is_inline else entry.name, key)
@@ -133,9 +133,9 @@ def _build(hint: Any, value: Any) -> Any:
     given = {}
     for entry in entries_of(hint):
         if entry.setting.is_inline:
-            given[entry.name] = _build(entry.hint, value)
+            given[entry.field] = _build(entry.hint, value)
         elif entry.name in value:
-            given[entry.name] = _build(entry.hint, value[entry.name])
+            given[entry.field] = _build(entry.hint, value[entry.name])
     return hint(**given)
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import yaml
 
 from tusqh.errors import ConfigError
+from tusqh.settings.features import Feature
 from tusqh.settings.field import Entry, entries_of
 from tusqh.settings.goal import Range, Target
 from tusqh.settings.grid import Grid, Window
@@ -36,6 +37,7 @@ _TABLES = {
         Window,
         Voxels,
         Target,
+        Feature,
         Range,
         Criteria,
         Simulation,

@@ -11,6 +11,7 @@ import pandas as pd
 
 from tusqh.local_topology.base import find_base
 from tusqh.settings.goal import Goal
+from tusqh.threshold.by_features import choose_by_features
 from tusqh.threshold.by_persistence import choose_by_persistence
 from tusqh.threshold.by_target import choose_by_target
 from tusqh.threshold.by_threshold import take_threshold
@@ -47,6 +48,10 @@ def choose_threshold(
         No threshold reaches the goal; the message lists the reachable Betti numbers.
     """
     goal = goal or Goal()
+    if goal.features:
+        return choose_by_features(
+            plateaus, goal.features, _base_of_features(plateaus, goal, name), name=name
+        )
     matches_volume = goal.volume is not None
     if goal.target is not None:
         return choose_by_target(
@@ -70,10 +75,22 @@ def choose_threshold(
     return take_threshold(plateaus, goal.threshold, name=name)
 
 
+def _base_of_features(plateaus: Plateaus, goal: Goal, name: str) -> float:
+    """Return the threshold whose cells are kept beside the wished features."""
+    if goal.threshold is not None and goal.base == Goal().base:
+        return goal.threshold
+    return _resolve_base(plateaus, goal, name)
+
+
 def _find_base(plateaus: Plateaus, goal: Goal, name: str) -> float | None:
     """Return the threshold of the base, None for the global scope."""
     if goal.scope == "global":
         return None
+    return _resolve_base(plateaus, goal, name)
+
+
+def _resolve_base(plateaus: Plateaus, goal: Goal, name: str) -> float:
+    """Return the threshold of the base."""
     volume = plateaus.reference.volume
     if goal.base == "match" and volume <= 0:
         raise unknown_volume(name, wish="`base: match`")

@@ -61,7 +61,7 @@ def describe_choice(
         wanted=wanted,
         raw=plateaus.cell_sets.topology.betti_at(threshold),
         predicted=cells.predicted,
-        reason=reason if base is None else f"as the seed for local changes: {reason}",
+        reason=reason if base in (None, threshold) else f"as the seed for local changes: {reason}",
         policy=policy or plateaus.cell_sets.policy,
         find_interval=find_interval or partial(_interval_of, row),
         find_without_features=(
@@ -70,6 +70,7 @@ def describe_choice(
             else str
         ),
         base=base,
+        wishes=cells.wishes if isinstance(cells, LocalCells) else (),
         cells=cells,
         resolved=resolved,
     )

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, Self
 
 from tusqh.antialias.cells import CellSet
 from tusqh.antialias.resolve import Resolved
+from tusqh.local_topology.wishes import Wish
 from tusqh.settings.policy import Policy
 from tusqh.threshold.within_interval import describe_extent
 from tusqh.topology.betti_numbers import BettiNumbers
@@ -59,6 +60,8 @@ class Selection:
     base
         The threshold whose cells were kept except where the topology needs others; None if the
         cells are those of `threshold`.
+    wishes
+        The single features that were opened, cut or filled.
     find_interval, find_without_features
         Functions that compute `interval` and `without_features`.
     cells
@@ -80,6 +83,7 @@ class Selection:
         default=str, compare=False, repr=False
     )
     base: float | None = None
+    wishes: tuple[Wish, ...] = ()
     cells: CellSet | None = dataclasses.field(default=None, compare=False, repr=False)
     resolved: Resolved | None = dataclasses.field(default=None, compare=False, repr=False)
 
@@ -112,6 +116,7 @@ class Selection:
         return {
             "threshold": self.threshold,
             "base": self.base,
+            "features": [wish._asdict() for wish in self.wishes],
             **self.interval._asdict(),
             "cells_lower": self.cells_lower,
             "cells_upper": self.cells_upper,
@@ -136,6 +141,7 @@ class Selection:
         without_features = str(given.pop("without_features"))
         for key in ("raw", "predicted"):
             given[key] = BettiNumbers(*given[key])
+        given["wishes"] = tuple(Wish(**wish) for wish in given.pop("features"))
         given["policy"] = Policy.from_dict(given["policy"])
         interval = Interval(**{key: given.pop(key) for key in Interval._fields})
         return cls(

@@ -1,0 +1,261 @@
+"""Open, cut and fill single classes of the persistence diagram.
+
+*Open* keeps a class, or makes one that the base lacks; *cut* ends a class by leaving out cells, and
+*fill* by adding some.  A component is cut by leaving all of it out, a hole in the plane and a void
+are filled by adding all cells in them; all others are changed along a path or membrane, see
+`tusqh.local_topology.one_change`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from tusqh.antialias.cells import CellSets, label_with_bridges
+from tusqh.antialias.components import label_holes
+from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.local_topology.classes import list_classes
+from tusqh.local_topology.one_change import Event, change_class
+from tusqh.local_topology.wishes import CUT, FILL, OPEN, Wish
+from tusqh.local_topology.workspace import Workspace
+
+
+class _Row(NamedTuple):
+    """A class as plain values, see `Features.classes`."""
+
+    dimension: int
+    birth: float
+    birth_place: int
+    death_place: int
+    is_there: bool
+
+
+@dataclass(frozen=True)
+class Done:
+    """Cells after some wishes.
+
+    Parameters
+    ----------
+    kept
+        Kept cells of the flat grid.
+    steps
+        Each wish that changed cells, with the cells it changed, on the flat grid.
+    gone
+        Rows of classes that ended.
+    """
+
+    kept: BoolArray
+    steps: tuple[tuple[Wish, IntArray], ...] = ()
+    gone: frozenset[int] = field(default_factory=frozenset)
+
+
+class Impossible(Exception):  # noqa: N818
+    """A wish that cannot be met, with the reason."""
+
+
+class Features:
+    """The classes of the diagram at a base, each of which can be opened, cut or filled.
+
+    Parameters
+    ----------
+    cell_sets
+        The cells of every threshold.
+    base
+        Threshold of the base in (0, 1].
+    """
+
+    def __init__(self, cell_sets: CellSets, base: float) -> None:
+        self.base = base
+        self.grid = cell_sets.fractions.grid
+        self.space = Workspace(cell_sets.at(base))
+        table = list_classes(cell_sets.fractions, cell_sets.topology.pairs)
+        is_there = (table["birth"] >= base) & (table["death"] < base)
+        #: The classes, see `tusqh.local_topology.classes.list_classes`, and whether the base has
+        #: each one (`is_there`).
+        self.classes = table.assign(is_there=is_there)
+        columns = (self.classes[name].tolist() for name in _Row._fields)
+        self._rows = [_Row(*values) for values in zip(*columns, strict=True)]
+
+    def start(self) -> Done:
+        """Return the cells of the base."""
+        return Done(self.space.flatten(self.space.start.kept))
+
+    def describe(self, row: int) -> str:
+        """Return a class in words.
+
+        Parameters
+        ----------
+        row
+            Row of the class.
+        """
+        about = self.classes.iloc[row]
+        at = ", ".join(f"{about[axis]:.4g}" for axis in "xyz"[: self.grid.dim])
+        return (
+            f"row {row}: {about['class']} at ({at}), {about['birth']:.4g} to {about['death']:.4g}"
+        )
+
+    def nearest(self, row: int, done: Done, n: int = 3) -> list[int]:
+        """Return the rows of the classes nearest to another one that are there.
+
+        Parameters
+        ----------
+        row
+            Row of the other class.
+        done
+            The cells so far.
+        n
+            Largest number of rows.
+        """
+        points = self.points
+        rows = np.array([other for other in self._there(done) if other != row], dtype=np.int64)
+        distance = ((points[rows] - points[row]) ** 2).sum(axis=1)
+        return [int(k) for k in rows[np.argsort(distance, kind="stable")[:n]]]
+
+    @property
+    def points(self) -> FloatArray:
+        """The points at which wishes look for the classes, shape (r, dim), in model units."""
+        return self.classes[[*"xyz"[: self.grid.dim]]].to_numpy(dtype=float)
+
+    def apply(self, done: Done, wish: Wish) -> Done:
+        """Return the cells after one more wish.
+
+        Parameters
+        ----------
+        done
+            The cells so far.
+        wish
+            The wish; it changes nothing if the class is as wished.
+
+        Raises
+        ------
+        Impossible
+            The wish cannot be met.
+        """
+        about = self._rows[wish.row]
+        if wish.do == OPEN:
+            if wish.row in done.gone:
+                raise Impossible("an earlier change ended it")
+            return done if about.is_there else self._open(done, wish)
+        if wish.row in done.gone or not about.is_there:
+            return done
+        if wish.do == CUT and about.dimension == 0:
+            return self._remove_component(done, wish)
+        if wish.do == FILL and about.dimension == self.grid.dim - 1:
+            return self._fill_region(done, wish)
+        return self._end(done, wish)
+
+    def _open(self, done: Done, wish: Wish) -> Done:
+        """Return the cells with a class that the base lacks."""
+        about = self._rows[wish.row]
+        adds = about.birth < self.base
+        place = about.birth_place if adds else about.death_place
+        event = Event(about.dimension, begins=True, adds=adds)
+        kept = change_class(self.space, done.kept, place, event, is_fixed=self._fixed(done))
+        if kept is None:
+            raise Impossible(self._nothing_near(wish))
+        return self._after(done, wish, kept)
+
+    def _end(self, done: Done, wish: Wish) -> Done:
+        """Return the cells after a class is ended along a path or membrane."""
+        about = self._rows[wish.row]
+        adds = wish.do == FILL
+        place = about.death_place if adds else about.birth_place
+        if place < 0:
+            raise Impossible("it is the oldest component, to which others are joined")
+        accepts = None
+        if about.dimension == 0:
+            before = self._components(done.kept)
+            cell = int(self.space.cells_at(about.birth_place)[0])
+
+            def accepts(kept: BoolArray) -> bool:
+                """Return whether the component is joined to an older one."""
+                after = self._components(kept)
+                others = (after == after[cell]) & (before > 0) & (before != before[cell])
+                return bool((self.space.fraction[others] >= about.birth).any())
+
+        event = Event(about.dimension, begins=False, adds=adds)
+        kept = change_class(
+            self.space, done.kept, place, event, is_fixed=self._fixed(done), accepts=accepts
+        )
+        if kept is None:
+            raise Impossible(self._nothing_near(wish))
+        return self._after(done, wish, kept, gone={wish.row})
+
+    def _remove_component(self, done: Done, wish: Wish) -> Done:
+        """Return the cells without a component and all that is in it."""
+        components = self._components(done.kept)
+        cell = int(self.space.cells_at(self._rows[wish.row].birth_place)[0])
+        is_removed = (components == components[cell]) & (components > 0)
+        if not is_removed.any():
+            raise Impossible("the base keeps no cell of it")
+        self._require_free(is_removed)
+        kept = done.kept & ~is_removed
+        if not kept.any():
+            raise Impossible("it is the only component, and no cell would be left")
+        gone = {row for row in self._there(done) if self._lies_in(row, "birth_place", is_removed)}
+        return self._after(done, wish, kept, gone=gone | {wish.row})
+
+    def _fill_region(self, done: Done, wish: Wish) -> Done:
+        """Return the cells with all empty cells of a hole in the plane, or of a void, added."""
+        cells = self.space.cell_set(done.kept)
+        regions = np.pad(label_holes(cells.labels, cells.contacts), 1).ravel()
+        cell = int(self.space.cells_at(self._rows[wish.row].death_place)[0])
+        if regions[cell] == 0:
+            raise Impossible("another change has filled or opened it")
+        is_filled = regions == regions[cell]
+        self._require_free(is_filled)
+        kept = done.kept | is_filled
+        gone = {row for row in self._there(done) if self._lies_in(row, "death_place", is_filled)}
+        return self._after(done, wish, kept, gone=gone | self._joined(done, kept) | {wish.row})
+
+    def _joined(self, done: Done, kept: BoolArray) -> set[int]:
+        """Return the rows of components that are now joined to an older one."""
+        components, oldest, found = self._components(kept), set(), set()
+        rows = [row for row in self._there(done) if self._rows[row].dimension == 0]
+        for row in sorted(rows, key=lambda r: (-self._rows[r].birth, r)):
+            label = components[self.space.cells_at(self._rows[row].birth_place)[0]]
+            if label in oldest:
+                found.add(row)
+            oldest.add(label)
+        return found
+
+    def _after(self, done: Done, wish: Wish, kept: BoolArray, gone: set[int] | None = None) -> Done:
+        """Return the cells after a wish, of which no later one changes those that it changed."""
+        changed = np.flatnonzero(kept != done.kept)
+        return Done(kept, (*done.steps, (wish, changed)), done.gone | (gone or set()))
+
+    def _fixed(self, done: Done) -> BoolArray:
+        """Return the cells that must stay, among them those that earlier wishes changed."""
+        is_fixed = self.space.is_fixed.copy()
+        for _, changed in done.steps:
+            is_fixed[changed] = True
+        return is_fixed
+
+    def _there(self, done: Done) -> list[int]:
+        """Return the rows of the classes of the base that have not ended."""
+        rows = np.flatnonzero(self.classes["is_there"]).tolist()
+        return [row for row in rows if row not in done.gone]
+
+    def _lies_in(self, row: int, event: str, chosen: BoolArray) -> bool:
+        """Return whether a class begins or ends among chosen cells."""
+        place = getattr(self._rows[row], event)
+        return place >= 0 and bool(chosen[self.space.cells_at(place)].any())
+
+    def _components(self, kept: BoolArray) -> IntArray:
+        """Return the component of every kept cell of the flat grid, from 1; 0 elsewhere."""
+        cells = self.space.cell_set(kept)
+        return np.pad(label_with_bridges(cells.labels, cells.contacts, cells.bridges), 1).ravel()
+
+    def _require_free(self, chosen: BoolArray) -> None:
+        inside = chosen & self.space.is_fixed
+        if inside.any():
+            raise Impossible("a bridge (`bridges`) ends at its cells")
+
+    def _nothing_near(self, wish: Wish) -> str:
+        """Return the reason why one class cannot be changed alone."""
+        how = "adding" if wish.do == FILL else "leaving out"
+        if wish.do == OPEN:
+            how = "adding" if self._rows[wish.row].birth < self.base else "leaving out"
+        return f"{how} cells around it changes other features too; cut or fill those first"
