@@ -109,6 +109,16 @@ def test_steps_end_when_they_fail_or_are_killed(server, command):
         assert "has been stopped" in other.stderr.read()
 
 
+def test_compiled_functions_use_the_threads_of_the_step(server, command):
+    code = "import numba; print(numba.get_num_threads())"
+    many = os.cpu_count()
+    for start in (command(code), [a.replace("s", "no") if a == "s" else a for a in command(code)]):
+        for threads in (1, many):
+            environment = os.environ | {"OMP_NUM_THREADS": str(threads)}
+            environment.pop("NUMBA_NUM_THREADS", None)
+            assert int(run(start, env=environment).stdout) == threads
+
+
 def test_without_the_process_a_command_runs_as_it_is(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert run(command("import sys; print('alone'); sys.exit(4)")).returncode == 4

@@ -17,6 +17,9 @@ FOLDERS = [folder for folder in os.environ.get("PYTHONPATH", "").split(os.pathse
 if str(BASE) not in FOLDERS:
     os.environ.update(PYTHONPATH=os.pathsep.join([str(BASE), *FOLDERS]))
 
+# Threads that wait leave the processor to other steps.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+
 from tusqh.compiled import compile_functions, is_compiled, write_bytecode
 from tusqh.errors import TusqhError
 from tusqh.files import RESULT_FILES
@@ -44,6 +47,9 @@ THEORY += ["results/tables/layers.csv"]
 FOLDERS_OF_RESULTS = {"figures", "page", "provenance", "report", "tables", "tests", "workflow"}
 PAPER_MODELS = {"chesapeake", "bearings", "dragon"}
 PEERS = ["tusqh", "automesh", "pytetwild", "pyvista", "trimesh"]
+# How steps are started, see ../steps.
+SOCKET = f".snakemake/steps-{os.getpid()}.socket"
+START_STEP = shlex.join([sys.executable, "-I", "-S", os.fspath(BASE / "workflow/steps/start.py"), SOCKET])
 # Steps that lead to a mesh have priority, so that the first models are ready early.
 MODELS_FIRST = 1
 EXPORTS = ["export_mfem", "export_gmsh", "export_exodus", "export_abaqus"]
@@ -245,21 +251,15 @@ def paper_targets():
     return ["results/page/results.md", *THEORY, *stability]
 
 
-def serves_steps():
-    """Return whether steps are copies of one process with all imports: if there are many."""
-    is_measured = "COVERAGE_PROCESS_START" in os.environ
-    is_main = Path(workflow.main_snakefile).resolve().is_relative_to(BASE)
-    if not (workflow.local_exec and is_main and hasattr(os, "fork")) or is_measured:
+def many_steps_here():
+    """Return whether a process with all imports saves time: for many steps on this machine."""
+    if not (workflow.local_exec and hasattr(os, "fork")) or "COVERAGE_PROCESS_START" in os.environ:
         return False
     return sum(bool(job.rule.script) for job in workflow.dag.needrun_jobs()) >= 20
 
 
 def serve_steps():
-    """Start that process, and return the command that runs a step in a copy of it."""
-    socket = f".snakemake/steps-{os.getpid()}.socket"
-    folder = BASE / "workflow/steps"
+    """Start that process, which ends when this one does, since that closes the pipe."""
     one_thread = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
-    command = [sys.executable, os.fspath(folder / "serve.py"), socket]
-    # The process ends when this one does, which closes the pipe.
+    command = [sys.executable, os.fspath(BASE / "workflow/steps/serve.py"), SOCKET]
     subprocess.Popen(command, stdin=subprocess.PIPE, env=os.environ | one_thread)
-    return shlex.join([sys.executable, "-I", "-S", os.fspath(folder / "start.py"), socket])

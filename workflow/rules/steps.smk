@@ -15,6 +15,10 @@ for step, code_file in CODE_OF_STEP.items():
 
 hint_at_models(sys.argv[1:])
 
+# Where this is the main workflow, a program of its own starts the steps, see ../steps.
+if os.name == "posix" and Path(workflow.main_snakefile).resolve().is_relative_to(BASE):
+    shell.prefix(f"set -euo pipefail; {START_STEP} ")
+
 
 onstart:
     # Snakemake looks for jobs a second after each time that it looked, once more for each job that has
@@ -27,5 +31,5 @@ onstart:
         compile_functions()
     for code_file in sorted(set(CODE_OF_STEP.values())):
         list_code(code_file, base=BASE, folder=Path("results/provenance/code"))
-    if serves_steps():
-        shell.prefix(f"set -euo pipefail; {serve_steps()} ")
+    if many_steps_here():
+        serve_steps()

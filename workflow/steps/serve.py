@@ -22,6 +22,7 @@ import sys
 import traceback
 from pathlib import Path
 
+import numba
 import numpy as np
 
 from tusqh.antialias.cells import CellSets
@@ -130,6 +131,8 @@ def run(steps: Steps, connection: socket.socket, step: dict, files: list[int]) -
     os.chdir(step["folder"])
     os.environ.clear()
     os.environ.update(step["environment"])
+    threads = int(step["environment"].get("OMP_NUM_THREADS", "1"))
+    numba.set_num_threads(min(threads, numba.config.NUMBA_NUM_THREADS))
     sys.argv = step["command"][1:]
     sys.path[0] = os.path.dirname(sys.argv[0])  # noqa: PTH120
     code: object = 0

@@ -1,6 +1,7 @@
 """Run a command: the script of a step in a copy of the process of `serve.py`, if that is ready.
 
 Called as ``python -I -S start.py SOCKET COMMAND...``.  It imports little: each step starts it.
+Compiled functions use as many threads as the step was given, which Snakemake states for OpenMP.
 """
 
 import os
@@ -11,6 +12,7 @@ def main(path: str, command: list[str]) -> int:
     """Return the exit status of a command, whose standard streams are those of this process."""
     is_step = command[0] == sys.executable and len(command) == 2
     if not is_step or not os.path.exists(path):  # noqa: PTH110
+        os.environ.setdefault("NUMBA_NUM_THREADS", os.environ.get("OMP_NUM_THREADS", "1"))
         os.execvp(command[0], command)
     import json
     import socket
