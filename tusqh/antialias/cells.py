@@ -29,9 +29,11 @@ from tusqh.contacts.predict import predict_betti
 from tusqh.contacts.surround import inner_cells
 from tusqh.errors import TopologyError
 from tusqh.grid import BoolArray, FloatArray, IntArray, doubled
+from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.policy import Policy
 from tusqh.topology.betti_numbers import BettiNumbers
+from tusqh.topology.clamping import distinct_levels
 from tusqh.topology.topology import Topology
 
 
@@ -105,6 +107,11 @@ class CellSet:
         found, wanted = self.decision.contacts, self.contacts
         n_vertices = int((found.ball != wanted.ball).sum())
         return n_vertices + int((found.edge_material != wanted.edge_material).sum())
+
+    def forget_decision(self) -> None:
+        """Free the memory of `decision`, of which `n_overruled` stays; it is made again if needed."""
+        _ = self.n_overruled
+        self.__dict__.pop("decision", None)
 
     @property
     def n_bridges(self) -> int:
@@ -213,13 +220,11 @@ class CellSets:
     @cached_property
     def distinct_fractions(self) -> FloatArray:
         """Distinct fractions at which the cell set may change, in (0, 1], from high to low."""
-        fractions = self.fractions
-        if self.policy.bridges == "none" and fractions.grid.dim == 2:  # Edges play no part.
-            values = np.concatenate([fractions.cells.ravel(), fractions.vertices.ravel()])
-        else:
-            values = fractions.values.ravel()
-        levels = np.unique(values)
-        return np.asarray(levels[(levels > 0) & (levels <= 1)][::-1])
+        multiples = self.fractions.multiples
+        parts = [multiples]
+        if self.policy.bridges == "none" and multiples.ndim == 2:  # Edges play no part.
+            parts = [multiples[doubled.cells(2)], multiples[doubled.vertices(2)]]
+        return np.asarray(distinct_levels(parts)[::-1] * RESOLUTION, dtype=np.float64)
 
     def follows_filtration(self, raw_betti_0: int) -> bool:
         """Return whether the cells at a threshold have the Betti numbers of the filtration.
@@ -262,8 +267,8 @@ class CellSets:
 
     def _join_components(self, threshold: float) -> tuple[_State, pd.DataFrame]:
         """Return all cells at a threshold with their archipelagos joined, and the bridges."""
-        kept = self.fractions.cells >= threshold
-        is_interior = self.fractions.values >= threshold
+        kept = self.fractions.cells_at_least(threshold)
+        is_interior = self.fractions.at_least(threshold)
         is_joined, bridges, table = join_components(
             kept, is_interior, self.fractions.grid, mode=self.policy.bridges
         )

@@ -17,7 +17,8 @@ from tusqh.contacts.one_material import MATERIAL
 from tusqh.contacts.predict import find_components
 from tusqh.contacts.surround import inner_cells
 from tusqh.grid import BoolArray, FloatArray, IntArray, doubled
-from tusqh.sampling.fractions import VolumeFractions
+from tusqh.sampling.doubled_grid import RESOLUTION
+from tusqh.sampling.fractions import VolumeFractions, to_level
 from tusqh.settings.policy import Criteria
 
 #: Names of the features.
@@ -124,11 +125,12 @@ def find_small_features(
     place = np.nonzero(is_removed)
     own = np.searchsorted(found, labels[place])
     smallest, largest = np.full(len(found), np.inf), np.full(len(found), -np.inf)
-    np.minimum.at(smallest, own, fractions.cells[place])
-    np.maximum.at(largest, own, fractions.cells[place])
+    values = fractions.cell_multiples[place] * RESOLUTION
+    np.minimum.at(smallest, own, values)
+    np.maximum.at(largest, own, values)
     sums = [np.bincount(own, weights=at, minlength=len(found)) for at in place]
     places = grid.to_points(np.stack(sums, axis=1) / n_cells[found][:, None] + 0.5)
-    values = [
+    columns = [
         np.full(len(found), feature),
         n_cells[found],
         volume[found],
@@ -137,7 +139,7 @@ def find_small_features(
         largest,
         _count_interior_sub_cells(np.where(is_removed, labels, 0), fractions, threshold)[found],
     ]
-    table = pd.DataFrame(dict(zip(FEATURE_COLUMNS, values, strict=True)))
+    table = pd.DataFrame(dict(zip(FEATURE_COLUMNS, columns, strict=True)))
     for axis in range(grid.dim):
         table["xyz"[axis]] = places[:, axis]
     return is_removed, table
@@ -154,10 +156,11 @@ def _count_interior_sub_cells(
     box = tuple(
         slice(max(2 * int(at.min()), 0), 2 * int(at.max()) + 3) for at in np.nonzero(labels)
     )
-    on_doubled = np.zeros(fractions.values.shape, dtype=np.int64)
+    on_doubled = np.zeros(fractions.multiples.shape, dtype=np.int64)
     on_doubled[doubled.cells(labels.ndim)] = labels
     on_doubled = on_doubled[box]
     # A sub-cell between two features counts for the one with the larger label.
     around = ndimage.grey_dilation(on_doubled, size=(3,) * labels.ndim)
-    is_interior = (fractions.values[box] >= threshold) & (around > 0) & (on_doubled == 0)
+    is_interior = (fractions.multiples[box] >= to_level(threshold)) & (around > 0)
+    is_interior &= on_doubled == 0
     return np.bincount(around[is_interior], minlength=n).astype(np.int64)

@@ -54,6 +54,7 @@ def build_mesh(cells: CellSet, grid: BackgroundGrid, *, name: str = "mesh") -> R
     (10, '(2, 0, 0)')
     """
     mesh, _ = emit_decision(cells.decision, grid, name, left_out=VOID)
+    cells.forget_decision()
     return Resolved(mesh, cells)
 
 

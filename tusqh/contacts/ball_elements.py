@@ -15,8 +15,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numba
 import numpy as np
 
+from tusqh.contacts.decided import Labels
 from tusqh.contacts.emitter import Emitter
 from tusqh.contacts.octants import BITS, octants
 from tusqh.contacts.side_balls import (
@@ -33,7 +35,7 @@ from tusqh.contacts.side_balls import (
     split_at_balls,
 )
 from tusqh.contacts.stick_field import Field
-from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.grid import BoolArray, FloatArray, IndexArray, IntArray
 
 #: Positions of the points of a ball, from the vertex, in cells, found by optimisation; on cubic
 #: cells the scaled Jacobian of the elements is at least 0.59.  Points on the edges to inner cells
@@ -103,9 +105,8 @@ class Balls:
         self.has_ball = field.has_ball
         self._shape = emitter.vertex_shape
         vertices = np.flatnonzero(field.has_ball)
-        # A ball at a vertex that is not pinched may have any of the materials there.
-        self.material = np.where(field.ball < 0, field.labels, field.ball)
-        self._row = np.full(len(field.has_ball), -1, dtype=np.int64)
+        self._field = field
+        self._row = np.full(len(field.has_ball), -1, dtype=np.int32)
         self._row[vertices] = np.arange(len(vertices))
         place = np.stack(np.unravel_index(vertices, emitter.vertex_shape), axis=1)
         points = np.repeat(place[:, None].astype(float), N_POINTS, axis=1)
@@ -122,6 +123,32 @@ class Balls:
         inside = field.inside[vertices[:, None] + octant]
         place_on_sides(points, place, inside, cases, _ALONG)
         self._numbers = emitter.add_points(points.reshape(-1, 3)).reshape(-1, N_POINTS)
+
+    def material_at(self, vertices: IntArray) -> Labels:
+        """Return the materials of the balls at some grid vertices, shape (r,).
+
+        A ball at a vertex that is not pinched may have any of the materials there.
+
+        Parameters
+        ----------
+        vertices
+            Flat grid vertices, shape (r,).
+        """
+        ball = self._field.ball[vertices]
+        return np.where(ball < 0, self._field.labels[vertices], ball)
+
+    def touches(self, elements: IndexArray) -> BoolArray:
+        """Return which elements have a corner at a ball, shape (m,).
+
+        Parameters
+        ----------
+        elements
+            Numbers of the elements' points, shape (m, 8).
+        """
+        found = np.zeros(len(elements), dtype=np.bool_)
+        if len(self._numbers):
+            _mark_touching(elements, self.has_ball, found)
+        return found
 
     def is_even(self, vertices: IntArray, axis: int) -> BoolArray:
         """Return whether coordinates of grid vertices along an axis are even, shape (r,).
@@ -202,6 +229,15 @@ class Balls:
             CENTRE + 12 * end.half_edge + end.kite,
         ]
         return [numbers[:, c] for c in columns]
+
+
+@numba.njit(cache=True)
+def _mark_touching(elements, has_ball, found):  # type: ignore[no-untyped-def]
+    """Mark the elements with a corner at a ball; only grid vertices have balls."""
+    for row in range(len(elements)):
+        for point in elements[row]:
+            if point < len(has_ball) and has_ball[point]:
+                found[row] = True
 
 
 def _direction(half_edge: int | IntArray) -> FloatArray:

@@ -63,12 +63,13 @@ def emit_decision(
         emitted = emit_planar(decision, grid.padded(), name, left_out=left_out)
     else:
         emitted = emit_spatial(decision, grid.padded().padded(), name, left_out=left_out)
-    return _renumber(emitted.mesh, decision.labels.shape), emitted.material
+    material = emitted.material.astype(np.int64)
+    return _renumber(emitted.mesh, decision.labels.shape), material
 
 
 def _renumber(mesh: VolumeMesh, shape: tuple[int, ...]) -> VolumeMesh:
     """Return a mesh of a padded grid with cell numbers of the grid itself, -1 for other cells."""
-    number = np.full(shape, -1, dtype=np.int64)
+    number = np.full(shape, -1, dtype=mesh.grid_cell.dtype)
     within = number[inner_cells(len(shape))]
-    within[...] = np.arange(within.size).reshape(within.shape)
+    within[...] = np.arange(within.size, dtype=number.dtype).reshape(within.shape)
     return replace(mesh, grid_cell=number.ravel()[mesh.grid_cell])

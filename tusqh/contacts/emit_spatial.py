@@ -36,7 +36,7 @@ from tusqh.contacts.side_balls import (
 from tusqh.contacts.spatial import SpatialDecision, face_sticks
 from tusqh.contacts.spatial_votes import LAYERS
 from tusqh.contacts.stick_field import Field
-from tusqh.grid import HEX_CORNERS, BackgroundGrid, BoolArray, IntArray
+from tusqh.grid import HEX_CORNERS, BackgroundGrid, BoolArray, IndexArray, IntArray
 from tusqh.grid.numbering import FACES
 from tusqh.meshes.facets import HEX_FACETS
 from tusqh.meshes.volume_mesh import CONNECTING, GRID_CELL, INNER_CELL, SEPARATING, SIDE_BALL
@@ -103,25 +103,22 @@ def emit_spatial(
     labels = decision.labels
     flat = labels.ravel()
     faces = [_find_faces(decision.field, axis, grid) for axis in range(3)]
-    # Material of the frustum at every face of every cell, -1 if there is none.
-    frusta = np.stack([flat] * 6)
-    for axis, found in enumerate(faces):
-        frusta[2 * axis + 1, found.lower] = found.plain
-        frusta[2 * axis, found.upper] = found.plain
-    is_split = (frusta != flat).any(axis=0)
+    split, frusta = _find_frusta(flat, faces)
+    is_split = np.zeros(labels.size, dtype=bool)
+    is_split[split] = True
     emitter = Emitter(grid, is_split.reshape(labels.shape), left_out=left_out)
     is_meshed = np.zeros(labels.shape, dtype=bool)
     is_meshed[1:-1, 1:-1, 1:-1] = True
     is_whole = ~is_split & is_meshed.ravel() & (flat != left_out)
-    whole, split = np.flatnonzero(is_whole), np.flatnonzero(is_split)
+    whole = np.flatnonzero(is_whole)
     emitter.add(emitter.inner(split), split, INNER_CELL, flat[split])
     balls = Balls(emitter, decision.field)
     others = _Others(whole, GRID_CELL, flat[whole])
     _emit_others(emitter, balls, others, emitter.outer(whole), slots_of_cell())
     for face in range(6):
-        cells = split[frusta[face, split] >= 0]
+        has = frusta[face] >= 0
+        cells, material = split[has], frusta[face, has]
         corners = np.concatenate([emitter.outer(cells), emitter.inner(cells)], axis=1)
-        material = frusta[face, cells]
         others = _Others(cells, np.where(material == flat[cells], SEPARATING, CONNECTING), material)
         of_frustum = emitter.template.frusta[face]
         slots = slots_of_frustum(face, tuple(of_frustum.tolist()))
@@ -131,15 +128,32 @@ def emit_spatial(
     return _name_side_balls(emitter.finish(name), decision.field, grid)
 
 
+def _find_frusta(flat: Labels, faces: list[_Faces]) -> tuple[IntArray, Labels]:
+    """Return the cells that are split, ascending, and the materials of their frusta.
+
+    The materials have shape (6, number of split cells); -1 where there is no frustum.
+    """
+    beside = np.unique(np.concatenate([cells for f in faces for cells in (f.lower, f.upper)]))
+    frusta = np.stack([flat[beside]] * 6)
+    for axis, found in enumerate(faces):
+        frusta[2 * axis + 1, np.searchsorted(beside, found.lower)] = found.plain
+        frusta[2 * axis, np.searchsorted(beside, found.upper)] = found.plain
+    is_split = (frusta != flat[beside]).any(axis=0)
+    return beside[is_split], frusta[:, is_split]
+
+
 def _name_side_balls(emitted: Emitted, field: Field, grid: BackgroundGrid) -> Emitted:
     """Give the templates in the cells around a ball on a side of the grid a kind of their own."""
-    around = np.flatnonzero(field.has_ball)[:, None] + (BITS - 1) @ field.steps
+    balls = np.flatnonzero(field.has_ball)
+    if len(balls) == 0:
+        return emitted
+    around = balls[:, None] + (BITS - 1) @ field.steps
     around = around[~field.inside[around].all(axis=1)]
     cells = np.unravel_index(around.ravel(), tuple(n + 1 for n in grid.shape))
     mesh = emitted.mesh
     is_there = np.isin(mesh.grid_cell, np.ravel_multi_index(cells, grid.shape))
     is_template = (mesh.kind == SEPARATING) | (mesh.kind == CONNECTING)
-    kind = np.where(is_there & is_template, SIDE_BALL, mesh.kind)
+    kind = np.where(is_there & is_template, SIDE_BALL, mesh.kind).astype(np.int8)
     return emitted._replace(mesh=replace(mesh, kind=kind))
 
 
@@ -152,12 +166,13 @@ class _Others(NamedTuple):
 
 
 def _emit_others(
-    emitter: Emitter, balls: Balls, others: _Others, elements: IntArray, slots: Slots
+    emitter: Emitter, balls: Balls, others: _Others, elements: IndexArray, slots: Slots
 ) -> None:
     """Add elements, split where they touch a ball; only corners in the grid belong to the ball."""
-    at_ball = np.append(balls.has_ball, False)[np.minimum(elements, len(balls.has_ball))].any(
-        axis=1
-    )
+    at_ball = balls.touches(elements)
+    if not at_ball.any():
+        emitter.add(elements, others.owners, others.kind, others.material)
+        return
     kind = np.broadcast_to(others.kind, len(elements))
     plain, touching = np.flatnonzero(~at_ball), np.flatnonzero(at_ball)
     emitter.add(elements[plain], others.owners[plain], kind[plain], others.material[plain])
@@ -167,7 +182,7 @@ def _emit_others(
     place = np.stack(np.unravel_index(owners, emitter.grid.shape))
     is_inside = (place >= LAYERS) & (np.array(emitter.grid.shape) - LAYERS > place.T).T
     of_ball = (found.vertices >= 0) & is_inside.all(axis=0)
-    material = np.where(of_ball, balls.material[found.vertices], others.material[rows])
+    material = np.where(of_ball, balls.material_at(found.vertices), others.material[rows])
     emitter.add(found.elements, owners, np.where(of_ball, CONNECTING, kind[rows]), material)
 
 
@@ -267,7 +282,7 @@ def _emit_rings(emitter: Emitter, balls: Balls, ends: list[RingEnd], rings: _Rin
             turned = np.roll(elements, 4, axis=1) if first == 1 else elements
             if name in ("first", "second"):
                 at = own if name == "first" else other
-                material = balls.material[at.quad[found, 0]]
+                material = balls.material_at(at.quad[found, 0])
                 emitter.add(turned, rings.owners[rows[found]], CONNECTING, material)
             else:
                 parts.append((name, rows[found], turned))

@@ -9,10 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tusqh.contacts.templates import TEMPLATES
-from tusqh.grid.arrays import BoolArray, FloatArray, IntArray
+from tusqh.grid.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from tusqh.grid.background import BackgroundGrid
 from tusqh.grid.numbering import CORNERS
 from tusqh.meshes.volume_mesh import VolumeMesh
+
+#: Most points that a split cell has: corners of its inner cell, and its share of the points in
+#: faces and of balls.
+_MOST_POINTS = 256
 
 
 class Emitted(NamedTuple):
@@ -27,14 +31,15 @@ class Emitted(NamedTuple):
     """
 
     mesh: VolumeMesh
-    material: IntArray
+    material: NDArray[np.int32]
 
 
 class Emitter:
     """A collector of numbered points and elements.
 
     Points are numbered in three blocks: all grid vertices, the corners of all inner cells, and the
-    points added with `add_points`.  `finish` leaves out unused points.
+    points added with `add_points`.  `finish` leaves out unused points.  Numbers are 32-bit unless
+    there may be too many points.
 
     Parameters
     ----------
@@ -55,21 +60,21 @@ class Emitter:
         self.vertex_shape = tuple(n + 1 for n in grid.shape)
         self.n_vertices = int(np.prod(self.vertex_shape))
         self._with_inner = np.flatnonzero(has_inner)
-        self._inner_number = np.full(grid.n_cells, -1, dtype=np.int64)
-        self._inner_number[self._with_inner] = np.arange(len(self._with_inner))
+        most = self.n_vertices + _MOST_POINTS * len(self._with_inner)
+        self.index = np.dtype(np.int32 if most < 2**31 else np.int64)
         self._end_of_inner = self.n_vertices + self.template.n_corners * len(self._with_inner)
         self._corner_step = np.array(
             [np.ravel_multi_index(tuple(c), self.vertex_shape) for c in CORNERS[grid.dim]]
         )
         self._added: list[FloatArray] = []
-        self._moved: list[tuple[IntArray, FloatArray]] = []
+        self._moved: list[tuple[IndexArray, FloatArray]] = []
         self._n_points = self._end_of_inner
-        self._elements: list[IntArray] = []
-        self._owners: list[IntArray] = []
-        self._kinds: list[IntArray] = []
-        self._materials: list[IntArray] = []
+        self._elements: list[IndexArray] = []
+        self._owners: list[IndexArray] = []
+        self._kinds: list[NDArray[np.int8]] = []
+        self._materials: list[NDArray[np.int32]] = []
 
-    def outer(self, cells: IntArray) -> IntArray:
+    def outer(self, cells: IntArray) -> IndexArray:
         """Return the grid vertices at the corners of flat cells, shape (m, 2**dim).
 
         Parameters
@@ -77,10 +82,11 @@ class Emitter:
         cells
             Flat cells, shape (m,).
         """
-        lowest = np.ravel_multi_index(np.unravel_index(cells, self.grid.shape), self.vertex_shape)
-        return np.asarray(lowest[:, None] + self._corner_step, dtype=np.int64)
+        corners = np.empty((len(cells), len(self._corner_step)), dtype=self.index)
+        _corners(cells, np.array(self.grid.shape), self._corner_step, corners)
+        return corners
 
-    def inner(self, cells: IntArray) -> IntArray:
+    def inner(self, cells: IntArray) -> IndexArray:
         """Return the corners of the inner cells of flat cells, shape (m, 2**dim).
 
         Parameters
@@ -89,10 +95,10 @@ class Emitter:
             Flat cells that have an inner cell, shape (m,).
         """
         n_corners = self.template.n_corners
-        first = self.n_vertices + n_corners * self._inner_number[cells]
-        return np.asarray(first[:, None] + np.arange(n_corners), dtype=np.int64)
+        first = self.n_vertices + n_corners * np.searchsorted(self._with_inner, cells)
+        return (first[:, None] + np.arange(n_corners)).astype(self.index)
 
-    def add_points(self, positions: FloatArray) -> IntArray:
+    def add_points(self, positions: FloatArray) -> IndexArray:
         """Add points at given positions and return their numbers.
 
         Parameters
@@ -105,12 +111,12 @@ class Emitter:
         numbers
             Shape (m,).
         """
-        numbers = self._n_points + np.arange(len(positions), dtype=np.int64)
+        numbers = (self._n_points + np.arange(len(positions))).astype(self.index)
         self._added.append(positions)
         self._n_points += len(positions)
         return numbers
 
-    def move(self, numbers: IntArray, positions: FloatArray) -> None:
+    def move(self, numbers: IndexArray, positions: FloatArray) -> None:
         """Give points other positions.
 
         Parameters
@@ -124,9 +130,9 @@ class Emitter:
 
     def add(
         self,
-        elements: IntArray,
+        elements: IndexArray,
         owners: IntArray,
-        kind: int | IntArray,
+        kind: int | NDArray[np.integer],
         materials: int | NDArray[np.integer] = 0,
     ) -> None:
         """Add elements.
@@ -146,12 +152,13 @@ class Emitter:
         material = np.broadcast_to(materials, len(elements))
         if self._left_out is not None:
             stays = material != self._left_out
-            elements, owners = elements[stays], owners[stays]
-            kinds, material = kinds[stays], material[stays]
-        self._elements.append(elements)
-        self._owners.append(owners)
-        self._kinds.append(kinds.astype(np.int64))
-        self._materials.append(material.astype(np.int64))
+            if not stays.all():
+                elements, owners = elements[stays], owners[stays]
+                kinds, material = kinds[stays], material[stays]
+        self._elements.append(elements.astype(self.index, copy=False))
+        self._owners.append(owners.astype(self.index))
+        self._kinds.append(kinds.astype(np.int8))
+        self._materials.append(material.astype(np.int32))
 
     def finish(self, name: str) -> Emitted:
         """Return the mesh of all elements, in the order of their cells.
@@ -163,16 +170,21 @@ class Emitter:
 
         """
         owner = np.concatenate(self._owners)
-        order = np.argsort(owner, kind="stable")
-        cells, used = _renumber(np.concatenate(self._elements), order, self._n_points)
-        mesh = VolumeMesh(
-            points=self.grid.to_points(self._positions(used)),
-            cells=cells,
-            kind=np.concatenate(self._kinds)[order],
-            grid_cell=owner[order],
-            name=name,
-        )
-        return Emitted(mesh=mesh, material=np.concatenate(self._materials)[order])
+        order = np.argsort(owner, kind="stable").astype(self.index)
+        material = np.concatenate(self._materials)[order]
+        kind = np.concatenate(self._kinds)[order]
+        owner = owner[order]
+        elements = np.concatenate(self._elements)
+        for chunks in (self._owners, self._materials, self._kinds, self._elements):
+            chunks.clear()
+        number = np.full(self._n_points, -1, dtype=self.index)
+        used = _number_used(elements, number)
+        cells = np.empty_like(elements)
+        _renumber(elements, order, number, cells)
+        del elements, number, order
+        points = self.grid.to_points(self._positions(used))
+        mesh = VolumeMesh(points=points, cells=cells, kind=kind, grid_cell=owner, name=name)
+        return Emitted(mesh=mesh, material=material)
 
     def _positions(self, points: IntArray) -> FloatArray:
         """Return the positions of ascending points, in cells from the grid's lowest corner."""
@@ -196,23 +208,39 @@ class Emitter:
 
 
 @numba.njit(cache=True)
-def _renumber(elements, order, n_points):  # type: ignore[no-untyped-def]
-    """Return ordered elements with consecutive numbers of the used points, and these points."""
-    number = np.full(n_points, -1, dtype=np.int64)
+def _corners(cells, shape, steps, corners):  # type: ignore[no-untyped-def]
+    """Write the grid vertices at the corners of flat cells."""
+    for row in range(len(cells)):
+        rest, lowest, stride = cells[row], 0, 1
+        for axis in range(len(shape) - 1, -1, -1):
+            lowest += rest % shape[axis] * stride
+            rest //= shape[axis]
+            stride *= shape[axis] + 1
+        for c in range(len(steps)):
+            corners[row, c] = lowest + steps[c]
+
+
+@numba.njit(cache=True)
+def _number_used(elements, number):  # type: ignore[no-untyped-def]
+    """Give used points consecutive numbers, and return these points; `number` has -1 at first."""
     for element in elements:
         for point in element:
             number[point] = 0
     n_used = 0
-    for point in range(n_points):
+    for point in range(len(number)):
         if number[point] == 0:
             number[point] = n_used
             n_used += 1
     used = np.empty(n_used, dtype=np.int64)
-    for point in range(n_points):
+    for point in range(len(number)):
         if number[point] >= 0:
             used[number[point]] = point
-    cells = np.empty_like(elements)
+    return used
+
+
+@numba.njit(cache=True)
+def _renumber(elements, order, number, cells):  # type: ignore[no-untyped-def]
+    """Write elements in an order, with other numbers of their points."""
     for i in range(len(order)):
         for c in range(elements.shape[1]):
             cells[i, c] = number[elements[order[i], c]]
-    return cells, used

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tusqh.contacts.octants import BITS, octants
-from tusqh.grid import HEX_CORNERS, BoolArray, FloatArray, IntArray
+from tusqh.grid import HEX_CORNERS, BoolArray, FloatArray, IndexArray, IntArray
 from tusqh.grid.numbering import FACES
 
 #: First number of the points of a ball that belong to octants, to kites, to pairs of a half-edge
@@ -183,7 +183,11 @@ class Split(NamedTuple):
 
 
 def split_at_balls(
-    elements: IntArray, slots: Slots, row: IntArray, numbers: IntArray, shape: tuple[int, ...]
+    elements: IndexArray,
+    slots: Slots,
+    row: IndexArray,
+    numbers: IndexArray,
+    shape: tuple[int, ...],
 ) -> Split:
     """Return elements split at all corners with a ball, those with even coordinates first.
 

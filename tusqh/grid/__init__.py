@@ -5,7 +5,7 @@ Arrays in C order are indexed ``[i, j]`` or ``[i, j, k]`` = (x, y[, z]).  A grid
 
       (0,2)---(1,2)---(2,2)
         | (0,1) | (1,1) |          Vertices are (n, dim) float64 arrays, connectivity
-      (0,1)---(1,1)---(2,1)        is (m, 2**dim) int64 in VTK order.
+      (0,1)---(1,1)---(2,1)        is (m, 2**dim) int32 in VTK order.
         | (0,0) | (1,0) |
       (0,0)---(1,0)---(2,0)
 
@@ -14,7 +14,7 @@ cells around vertices and edges, the corners of cells, neighbours across faces),
 faces, edges and vertices in one array), `arrays` (types).
 """
 
-from tusqh.grid.arrays import BoolArray, FloatArray, IntArray
+from tusqh.grid.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from tusqh.grid.background import BackgroundGrid
 from tusqh.grid.numbering import HEX_CORNERS, QUAD_CORNERS
 
@@ -24,5 +24,6 @@ __all__ = [
     "BackgroundGrid",
     "BoolArray",
     "FloatArray",
+    "IndexArray",
     "IntArray",
 ]

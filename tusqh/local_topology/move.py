@@ -150,7 +150,7 @@ def move_to_base(seed: CellSet, base: CellSet) -> LocalCells:
     is_held = differs & touch_bridges(seed)
     kept = _change(seed, differs & ~is_held, votes)
     contacts = find_contacts(kept, votes)
-    others = find_contacts(kept, fractions.values >= base.threshold)
+    others = find_contacts(kept, fractions.at_least(base.threshold))
     n_other_contacts = (contacts.ball != others.ball).sum()
     n_other_contacts += (contacts.edge_material != others.edge_material).sum()
     found = LocalCells(
@@ -185,7 +185,7 @@ def votes_of(seed: CellSet) -> BoolArray:
     seed
         The cells, with their threshold and bridges.
     """
-    votes = np.asarray(seed.fractions.values >= seed.threshold)
+    votes = seed.fractions.at_least(seed.threshold)
     if votes.ndim == 2:
         # Pinches that are joined as bridges connect against their vote; the third of the cells
         # around a vertex is the one above it, and has its numbers.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cached_property
 
-from tusqh.grid import FloatArray, IntArray
+from tusqh.grid import FloatArray, IndexArray
 from tusqh.meshes.boundary import Boundary, find_boundary
 from tusqh.meshes.facets import Facets, find_facets
 from tusqh.meshes.jacobians import Jacobians, element_volumes, smallest_jacobians
@@ -27,7 +27,7 @@ class ElementMesh:
     """
 
     points: FloatArray
-    cells: IntArray
+    cells: IndexArray
     name: str
 
     @property

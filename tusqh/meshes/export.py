@@ -13,6 +13,7 @@ from tusqh.atomic import replacing
 from tusqh.errors import MeshError
 from tusqh.extras import require
 from tusqh.grid import FloatArray, IntArray
+from tusqh.grid.arrays import as_indices
 from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import KINDS, VolumeMesh
 
@@ -159,16 +160,16 @@ def read_vtu(path: Path, *, name: str | None = None) -> VolumeMesh:
             remedy="remove other elements from the mesh",
         )
     dim = 3 if _VTK_HEXAHEDRON in types else 2
-    cells = grid.cells.reshape(-1, 2**dim + 1)[:, 1:].astype(np.int64)
-    zeros = np.zeros(len(cells), dtype=np.int64)
-    kind = np.asarray(grid.cell_data.get("kind", zeros), dtype=np.int64)
-    grid_cell = np.asarray(grid.cell_data.get("grid_cell", zeros - 1), dtype=np.int64)
+    cells = as_indices(grid.cells.reshape(-1, 2**dim + 1)[:, 1:])
+    zeros = np.zeros(len(cells), dtype=np.int8)
+    kind = np.asarray(grid.cell_data.get("kind", zeros))
     if kind.size and not (kind.min() >= 0 and kind.max() < len(KINDS)):
         kind = zeros
+    grid_cell = np.asarray(grid.cell_data.get("grid_cell", np.full(len(cells), -1)))
     return VolumeMesh(
         points=np.ascontiguousarray(grid.points[:, :dim], dtype=np.float64),
         cells=cells,
-        kind=kind,
-        grid_cell=grid_cell,
+        kind=kind.astype(np.int8),
+        grid_cell=as_indices(grid_cell.astype(np.int64, copy=False)),
         name=name or path.stem,
     )

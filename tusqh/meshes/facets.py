@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from tusqh.grid import BoolArray, IntArray
-from tusqh.meshes.numbering import number_rows
+from tusqh.grid import BoolArray, IndexArray, IntArray
+from tusqh.meshes.numbering import count_pairs, number_rows
 
 #: Local corners of every facet, facing outwards (VTK order).
 QUAD_FACETS: IntArray = np.array([[0, 1], [1, 2], [2, 3], [3, 0]], dtype=np.int64)
@@ -40,13 +41,13 @@ class Facets:
     unique
         Number of each facet, equal for rows with the same points, shape (m * sides,).
     n_cells_of
-        Number of rows that share each unique facet, shape (n_unique,).
+        Number of rows that share each unique facet, at most 255, shape (n_unique,).
     """
 
-    cells: IntArray
+    cells: IndexArray
     local: IntArray
-    unique: NDArray[np.signedinteger]
-    n_cells_of: NDArray[np.signedinteger]
+    unique: IndexArray
+    n_cells_of: NDArray[np.uint8]
 
     @property
     def n_unique(self) -> int:
@@ -54,7 +55,7 @@ class Facets:
         return len(self.n_cells_of)
 
     @cached_property
-    def corners(self) -> IntArray:
+    def corners(self) -> IndexArray:
         """Points of every row in the order of its element, shape (m * sides, 2**(dim - 1))."""
         return self.cells[:, self.local].reshape(-1, self.local.shape[1])
 
@@ -69,7 +70,7 @@ class Facets:
         return np.asarray((self.n_cells_of == 1)[self.unique])
 
     @cached_property
-    def boundary(self) -> IntArray:
+    def boundary(self) -> IndexArray:
         """Points of the boundary facets, facing outwards, shape (n_boundary, 2**(dim - 1))."""
         cell, side = np.divmod(np.flatnonzero(self.on_boundary), len(self.local))
         return np.asarray(self.cells[cell[:, None], self.local[side]])
@@ -80,7 +81,7 @@ class Facets:
         return find_facets(self.boundary)
 
 
-def find_facets(cells: IntArray) -> Facets:
+def find_facets(cells: IndexArray) -> Facets:
     """Return the facets of quads (shape (m, 4)) or hexes (shape (m, 8)).
 
     Parameters
@@ -98,11 +99,12 @@ def find_facets(cells: IntArray) -> Facets:
     """
     local = QUAD_FACETS if cells.shape[1] == 4 else HEX_FACETS
     unique, n_unique = number_rows(cells, local)
-    counts = np.bincount(unique, minlength=n_unique).astype(np.int32)
+    counts = np.zeros(n_unique, dtype=np.uint8)
+    _count(unique, counts)
     return Facets(cells=cells, local=local, unique=unique, n_cells_of=counts)
 
 
-def count_edges(cells: IntArray) -> int:
+def count_edges(cells: IndexArray) -> int:
     """Return the number of distinct edges of hexes, shape (m, 8).
 
     Parameters
@@ -115,4 +117,11 @@ def count_edges(cells: IntArray) -> int:
     >>> count_edges(np.arange(8)[None])
     12
     """
-    return number_rows(cells, HEX_EDGES)[1]
+    return count_pairs(cells, HEX_EDGES)
+
+
+@numba.njit(cache=True)
+def _count(numbers, counts):  # type: ignore[no-untyped-def]
+    """Add how often each number occurs, up to 255."""
+    for number in numbers:
+        counts[number] += counts[number] < 255

@@ -89,8 +89,10 @@ def find_junctions(
     {('a', 'b', 'void'): [2, 3]}
     """
     m = len(names)
-    outside = np.unique(mesh.facets.boundary) * m + m - 1
-    keys = np.unique(np.concatenate([(mesh.cells * m + material[:, None]).ravel(), outside]))
+    outside = np.unique(mesh.facets.boundary).astype(np.int64) * m + m - 1
+    keys = np.unique(
+        np.concatenate([(mesh.cells.astype(np.int64) * m + material[:, None]).ravel(), outside])
+    )
     point, of_point = np.divmod(keys, m)
     counts = np.bincount(point, minlength=len(mesh.points))
     chosen = counts[point] > 2

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
-from tusqh.grid import FloatArray, IntArray
+from tusqh.grid import FloatArray, IndexArray, IntArray
 
 
-def number_rows(cells: IntArray, local: IntArray) -> tuple[NDArray[np.signedinteger], int]:
+def number_rows(cells: IndexArray, local: IntArray) -> tuple[IndexArray, int]:
     """Return the number of every part of every element, and how many different parts there are.
 
     Parameters
@@ -41,9 +40,33 @@ def number_rows(cells: IntArray, local: IntArray) -> tuple[NDArray[np.signedinte
     n_points = int(cells.max(initial=-1)) + 1
     n_rows = len(cells) * len(local)
     index = np.dtype(np.int32 if n_rows < 2**31 else np.int64)
-    numbers: NDArray[np.signedinteger] = np.empty(n_rows, dtype=index)
-    n = _number(cells, local, np.full(n_points, -1, dtype=index), numbers)
+    numbers: IndexArray = np.empty(n_rows, dtype=index)
+    # About half of the parts of a large mesh are different.
+    first = np.empty(n_rows // 2 + 1024, dtype=index)
+    n = _number(cells, local, np.full(n_points, -1, dtype=index), first, numbers)
     return numbers, int(n)
+
+
+def count_pairs(cells: IndexArray, local: IntArray) -> int:
+    """Return the number of different edges of elements.
+
+    Parameters
+    ----------
+    cells
+        Points of every element, shape (m, k).
+    local
+        Local corners of both ends of every edge of an element, shape (n_local, 2).
+
+    Examples
+    --------
+    >>> count_pairs(np.array([[0, 1, 2], [2, 1, 3]]), np.array([[0, 1], [1, 2], [2, 0]]))
+    5
+    """
+    n_points = int(cells.max(initial=-1)) + 1
+    index = np.dtype(np.int32 if len(cells) * len(local) < 2**31 else np.int64)
+    # A large mesh of hexes has about three edges per element.
+    ends = np.empty((3 * len(cells) + 1024, 2), dtype=index)
+    return int(_count_pairs(cells, local, np.full(n_points, -1, dtype=index), ends))
 
 
 def count_different_points(points: FloatArray) -> int:
@@ -59,12 +82,11 @@ def count_different_points(points: FloatArray) -> int:
     >>> count_different_points(np.array([[0.0, 1.0], [2.0, 1.0], [-0.0, 1.0]]))
     2
     """
-    size = 1 << (2 * len(points)).bit_length()
-    bits = (np.ascontiguousarray(points) + 0.0).view(np.int64)  # Turns -0 into 0.
-    return int(_count_different(bits, np.full(size, -1, dtype=np.int32)))
+    size = 1 << (len(points) * 3 // 2).bit_length()
+    return int(_count_different(np.ascontiguousarray(points), np.full(size, -1, dtype=np.int32)))
 
 
-def count_used(indices: IntArray) -> int:
+def count_used(indices: IndexArray) -> int:
     """Return the number of different indices.
 
     Parameters
@@ -82,7 +104,7 @@ def count_used(indices: IntArray) -> int:
     return int(is_used.sum())
 
 
-def count_repeated_corners(cells: IntArray) -> int:
+def count_repeated_corners(cells: IndexArray) -> int:
     """Return the number of elements that use a point more than once.
 
     Parameters
@@ -98,7 +120,7 @@ def count_repeated_corners(cells: IntArray) -> int:
     return int(_count_repeated(cells))
 
 
-def count_components(groups: IntArray) -> int:
+def count_components(groups: IndexArray) -> int:
     """Return the number of components of rows; rows that share an entry are joined.
 
     Parameters
@@ -111,11 +133,11 @@ def count_components(groups: IntArray) -> int:
     >>> count_components(np.array([[0, 1], [1, 2], [7, 8]]))
     2
     """
-    parent = np.full(int(groups.max(initial=-1)) + 1, -1, dtype=np.int64)
+    parent = np.full(int(groups.max(initial=-1)) + 1, -1, dtype=groups.dtype)
     return int(_count_components(groups, parent))
 
 
-def count_components_by_parts(numbers: NDArray[np.signedinteger], n_local: int) -> int:
+def count_components_by_parts(numbers: IndexArray, n_local: int) -> int:
     """Return the number of components of elements that share parts.
 
     Parameters
@@ -148,9 +170,12 @@ def _sorted_part(cells, local, row, corners):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def _number(cells, local, head, numbers):  # type: ignore[no-untyped-def]
-    """Write the numbers of the parts; `head` is the last new part with each lowest point."""
-    first, previous = np.empty_like(numbers), np.empty_like(numbers)
+def _number(cells, local, head, first, numbers):  # type: ignore[no-untyped-def]
+    """Write the numbers of the parts; `head` is the last new part with each lowest point.
+
+    `first` has the first row of each different part; both lists grow when they are full.
+    """
+    previous = np.empty_like(first)
     own, other = np.empty(local.shape[1], np.int64), np.empty(local.shape[1], np.int64)
     n = 0
     for row in range(len(numbers)):
@@ -166,6 +191,10 @@ def _number(cells, local, head, numbers):  # type: ignore[no-untyped-def]
             found = previous[found]
         if found < 0:
             found = n
+            if n == len(first):
+                more = np.empty(len(first) // 4 + 1, dtype=first.dtype)
+                first = np.concatenate((first, more))
+                previous = np.concatenate((previous, more))
             first[n], previous[n] = row, head[own[0]]
             head[own[0]] = n
             n += 1
@@ -174,19 +203,48 @@ def _number(cells, local, head, numbers):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def _count_different(bits, table):  # type: ignore[no-untyped-def]
+def _count_pairs(cells, local, head, ends):  # type: ignore[no-untyped-def]
+    """Count the different pairs; `head` is the last new pair with each lower point.
+
+    `ends` has the higher point of each different pair, and the pair before it with the same lower
+    point; it grows when it is full.
+    """
+    n = 0
+    for cell in range(len(cells)):
+        for part in range(len(local)):
+            a, b = cells[cell, local[part, 0]], cells[cell, local[part, 1]]
+            low, high = min(a, b), max(a, b)
+            found = head[low]
+            while found >= 0 and ends[found, 0] != high:
+                found = ends[found, 1]
+            if found >= 0:
+                continue
+            if n == len(ends):
+                ends = np.concatenate((ends, np.empty((n // 4 + 1, 2), dtype=ends.dtype)))
+            ends[n, 0], ends[n, 1] = high, head[low]
+            head[low] = n
+            n += 1
+    return n
+
+
+@numba.njit(cache=True)
+def _count_different(points, table):  # type: ignore[no-untyped-def]
     """Count the different rows with a hash table, whose length is a power of two."""
     mask, n = np.uint64(len(table) - 1), 0
-    for row in range(len(bits)):
+    place = np.empty(points.shape[1])
+    bits = place.view(np.int64)
+    for row in range(len(points)):
+        for axis in range(points.shape[1]):
+            place[axis] = points[row, axis] + 0.0  # Turns -0 into 0.
         key = np.uint64(0)
-        for value in bits[row]:
+        for value in bits:
             key = (key ^ np.uint64(value)) * np.uint64(0x9E3779B97F4A7C15)
             key ^= key >> np.uint64(29)
         at = key & mask
         while table[at] >= 0:
             is_same = True
-            for c in range(bits.shape[1]):
-                is_same = is_same and bits[table[at], c] == bits[row, c]
+            for c in range(points.shape[1]):
+                is_same = is_same and points[table[at], c] == points[row, c]
             if is_same:
                 break
             at = (at + np.uint64(1)) & mask

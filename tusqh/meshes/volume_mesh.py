@@ -7,9 +7,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from tusqh.extras import require
-from tusqh.grid import FloatArray, IntArray
+from tusqh.grid import FloatArray, IndexArray, IntArray
+from tusqh.grid.arrays import as_indices
 from tusqh.meshes.element_mesh import ElementMesh
 from tusqh.meshes.measure import Measurement, measure
 from tusqh.meshes.mfem_mesh import to_mfem
@@ -37,19 +39,21 @@ class VolumeMesh(ElementMesh):
     points
         Coordinates, shape (n, dim), in the units of the model.
     cells
-        Corners of every element, shape (m, 2**dim), VTK order, positively oriented.
+        Corners of every element, shape (m, 2**dim), VTK order, positively oriented; int32, or int64
+        where that is too small.
     kind
-        Kind of each element (index into `KINDS`), shape (m,).
+        Kind of each element (index into `KINDS`), shape (m,), int8.
     grid_cell
-        Flat index (C order) of the background-grid cell in which each element lies, shape (m,).
+        Flat index (C order) of the background-grid cell in which each element lies, shape (m,);
+        int32, or int64 where that is too small.
     name
         The model to which it belongs, for messages.
     """
 
     points: FloatArray
-    cells: IntArray
-    kind: IntArray
-    grid_cell: IntArray
+    cells: IndexArray
+    kind: NDArray[np.int8]
+    grid_cell: IndexArray
     name: str = "mesh"
 
     @cached_property
@@ -58,7 +62,7 @@ class VolumeMesh(ElementMesh):
         return measure(self)
 
     @classmethod
-    def from_arrays(cls, points: FloatArray, cells: IntArray, *, name: str = "mesh") -> VolumeMesh:
+    def from_arrays(cls, points: ArrayLike, cells: ArrayLike, *, name: str = "mesh") -> VolumeMesh:
         """Return a mesh of plain grid cells, for meshes that did not come from a grid.
 
         Parameters
@@ -77,10 +81,11 @@ class VolumeMesh(ElementMesh):
         >>> VolumeMesh.from_arrays(square, np.array([[0, 1, 2, 3]])).n_cells
         1
         """
-        cells = np.asarray(cells, dtype=np.int64)
-        zeros = np.zeros(len(cells), dtype=np.int64)
-        points = np.asarray(points, dtype=np.float64)
-        return cls(points=points, cells=cells, kind=zeros, grid_cell=zeros - 1, name=name)
+        corners = as_indices(np.asarray(cells))
+        kind = np.zeros(len(corners), dtype=np.int8)
+        grid_cell = np.full(len(corners), -1, dtype=np.int32)
+        places = np.asarray(points, dtype=np.float64)
+        return cls(points=places, cells=corners, kind=kind, grid_cell=grid_cell, name=name)
 
     def take(self, chosen: IntArray, *, name: str) -> VolumeMesh:
         """Return some elements as a mesh with its own points.

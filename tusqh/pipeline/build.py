@@ -23,6 +23,7 @@ from tusqh.meshes.export import write_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.original import Original, to_warnings
 from tusqh.quality.comparison import OTHER_THRESHOLD
+from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.reference import Reference
 from tusqh.tables import write_csv
@@ -118,7 +119,8 @@ class Built:
             File to write, ending in ``.vtu``.
         """
         cell = self.mesh.grid_cell
-        in_cell = np.where(cell >= 0, self.fractions.cells.ravel()[cell], 0.0)
+        place = np.unravel_index(np.maximum(cell, 0), self.fractions.grid.shape)
+        in_cell = np.where(cell >= 0, self.fractions.cell_multiples[place] * RESOLUTION, 0.0)
         data = {"volume_fraction": in_cell}
         cells = self.resolved.cells
         if isinstance(cells, LocalCells):

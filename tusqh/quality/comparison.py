@@ -12,8 +12,7 @@ from tusqh.geometry.soup import Soup
 from tusqh.geometry.soup_facts import SoupFacts
 from tusqh.meshes.checks import Check
 from tusqh.quality.thickness import measure_thickness
-from tusqh.sampling.doubled_grid import RESOLUTION
-from tusqh.sampling.fractions import VolumeFractions
+from tusqh.sampling.fractions import VolumeFractions, to_level
 from tusqh.sampling.reference import Reference
 
 #: A mesh whose relative volume error exceeds this is not suitable.
@@ -164,8 +163,7 @@ def _small_components(cells: CellSet, fractions: VolumeFractions) -> list[Check]
 
 def _ties(cells: CellSet, fractions: VolumeFractions) -> list[Check]:
     """Return a warning if the fraction of many cells equals the threshold."""
-    multiple = int(np.ceil(cells.threshold / RESOLUTION))
-    n_tied = int((np.rint(fractions.cells / RESOLUTION) == multiple).sum())
+    n_tied = int((fractions.cell_multiples == to_level(cells.threshold)).sum())
     n_kept = int(cells.kept.sum())
     if n_tied <= _TIED * n_kept:
         return []

@@ -14,6 +14,7 @@ Everything outside the grid is empty.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -23,7 +24,7 @@ import numpy as np
 
 from tusqh.errors import SamplingError
 from tusqh.geometry.kinds import Surface
-from tusqh.grid import BackgroundGrid, FloatArray, doubled
+from tusqh.grid import BackgroundGrid, BoolArray, FloatArray, doubled
 from tusqh.sampling.doubled_grid import (
     RESOLUTION,
     Multiples,
@@ -82,17 +83,20 @@ class VolumeFractions:
         """
         return cls(grid, samples, np.rint(values / RESOLUTION).astype(np.int32))
 
-    @cached_property
+    @property
     def values(self) -> FloatArray:
-        """Fractions on the doubled grid, shape ``2 n + 1``, dimensionless."""
+        """Fractions on the doubled grid, shape ``2 n + 1``, dimensionless; a new array."""
         return np.asarray(self.multiples * RESOLUTION, dtype=np.float64)
 
     @cached_property
     def cells(self) -> FloatArray:
-        """Fractions of the cells, shape n."""
-        return np.asarray(
-            self.multiples[doubled.cells(self.grid.dim)] * RESOLUTION, dtype=np.float64
-        )
+        """Fractions of the cells, shape n; `cell_multiples` needs no memory."""
+        return np.asarray(self.cell_multiples * RESOLUTION, dtype=np.float64)
+
+    @property
+    def cell_multiples(self) -> Multiples:
+        """Fractions of the cells in multiples of `RESOLUTION`, shape n, a view."""
+        return self.multiples[doubled.cells(self.grid.dim)]
 
     @property
     def vertices(self) -> FloatArray:
@@ -103,7 +107,30 @@ class VolumeFractions:
 
     def volume(self) -> float:
         """Return the volume (2D: area) that the cell fractions add up to, in model units."""
-        return float(self.cells.sum()) * self.grid.cell_size**self.grid.dim
+        total = int(self.cell_multiples.sum(dtype=np.int64))
+        return total * RESOLUTION * self.grid.cell_size**self.grid.dim
+
+    def at_least(self, threshold: float) -> BoolArray:
+        """Return where the fraction is at least a threshold, on the doubled grid.
+
+        Fractions are multiples of `RESOLUTION`, so comparing integers is exact.
+
+        Parameters
+        ----------
+        threshold
+            Volume fraction, dimensionless.
+        """
+        return np.asarray(self.multiples >= to_level(threshold))
+
+    def cells_at_least(self, threshold: float) -> BoolArray:
+        """Return which cells have at least a fraction, shape n.
+
+        Parameters
+        ----------
+        threshold
+            Volume fraction, dimensionless.
+        """
+        return np.asarray(self.cell_multiples >= to_level(threshold))
 
 
 def sample_fractions(
@@ -256,6 +283,22 @@ def _clipped_slabs(
         yield values.reshape(blocked).sum(axis=(1, 3, 5))
         if progress is not None:
             progress(samples.stop * n_y * n_z, n_x * n_y * n_z)
+
+
+def to_level(threshold: float) -> int:
+    """Return the lowest multiple of `RESOLUTION` that is at least a threshold.
+
+    Parameters
+    ----------
+    threshold
+        Volume fraction, dimensionless.
+
+    Examples
+    --------
+    >>> to_level(0.5), to_level(0.3) * RESOLUTION >= 0.3 > (to_level(0.3) - 1) * RESOLUTION
+    (524288, True)
+    """
+    return math.ceil(threshold / RESOLUTION)
 
 
 def round_fractions(values: FloatArray) -> FloatArray:

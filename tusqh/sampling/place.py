@@ -99,7 +99,7 @@ def place_grid(
     if reason:
         return grid, Placement(stays.moved, stays.samples, reason=reason)
     levels = _levels(threshold, sampling.samples**grid.dim)
-    kept = np.array([(fractions.cells >= level).sum() for level in levels])
+    kept = np.array([fractions.cells_at_least(level).sum() for level in levels])
     error = float(np.abs(kept * grid.cell_size**grid.dim / volume - 1).max())
     if error <= _GOOD:
         return grid, replace(stays, error=error, corner_error=error)

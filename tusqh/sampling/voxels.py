@@ -140,7 +140,7 @@ def voxel_fractions(
         values = _cut_out(image, corner, size, counted, domain)
         blocks[2 * start : 2 * stop] = _half_block_means(values, per_cell)
     fractions = VolumeFractions(grid, 2 * per_cell, combine_half_blocks(blocks))
-    if not (fractions.cells > 0).any():
+    if not (fractions.cell_multiples > 0).any():
         raise SamplingError(
             f"no cell of the {grid.label} grid has a positive fraction of the {domain} of the "
             "image",

@@ -11,6 +11,8 @@ import pandas as pd
 from tusqh.antialias.cells import CellSet, CellSets
 from tusqh.antialias.resolve import Resolved
 from tusqh.local_topology.move import LocalCells
+from tusqh.sampling.doubled_grid import RESOLUTION
+from tusqh.sampling.fractions import to_level
 from tusqh.settings.goal import Target
 from tusqh.settings.policy import Policy
 from tusqh.threshold.candidates import rank_candidates
@@ -19,6 +21,7 @@ from tusqh.threshold.plateaus import BETTI, Plateaus
 from tusqh.threshold.selection import Interval, Selection
 from tusqh.threshold.within_interval import margin_of
 from tusqh.topology.betti_numbers import BettiNumbers
+from tusqh.topology.clamping import FULL
 
 
 def describe_choice(
@@ -91,9 +94,12 @@ def same_cells_around(cell_sets: CellSets, threshold: float) -> tuple[float, flo
     lower, upper
         Neighbouring fractions with ``lower < threshold <= upper``; 0 and 1 at the ends.
     """
-    fractions = np.clip(cell_sets.fractions.cells, 0.0, 1.0)
-    lower = fractions.max(where=fractions < threshold, initial=0.0)
-    return float(lower), float(fractions.min(where=fractions >= threshold, initial=1.0))
+    lower, level, upper = 0, to_level(threshold), FULL
+    for layer in cell_sets.fractions.cell_multiples:
+        multiples = layer.clip(0, FULL)
+        lower = multiples.max(where=multiples < level, initial=lower)
+        upper = multiples.min(where=multiples >= level, initial=upper)
+    return float(lower * RESOLUTION), float(upper * RESOLUTION)
 
 
 def find_interval_around(plateaus: Plateaus, threshold: float, betti: BettiNumbers) -> Interval:

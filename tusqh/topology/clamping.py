@@ -8,9 +8,13 @@ threshold in (0, 1] distinguishes values below 0, or values above 1, from one an
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
+from tusqh.grid.arrays import IntArray
 from tusqh.grid.doubled import as_layer
 from tusqh.sampling.doubled_grid import RESOLUTION, Multiples
 
@@ -53,6 +57,55 @@ def clamp_multiples(multiples: Multiples) -> Multiples:
     return np.asarray(layer if nodes.ndim == 3 else layer[1])
 
 
+def clamp_at_level(multiples: Multiples, level: int) -> NDArray[np.uint8]:
+    """Return which nodes are present at a level, with one layer of empty cells around them.
+
+    Parameters
+    ----------
+    multiples
+        See `clamp_multiples`.
+    level
+        A multiple in 1..`FULL`.
+
+    Returns
+    -------
+    nodes
+        1 where the result of `clamp_multiples` is at least the level, otherwise 0, at the places of
+        nodes, shape ``2 n + 5``, uint8.
+
+    Examples
+    --------
+    >>> multiples = np.arange(49, dtype=np.int32).reshape(7, 7) * 7 % 13
+    >>> at_once = clamp_multiples(multiples) >= 5
+    >>> bool((clamp_at_level(multiples, 5) == at_once)[::2, ::2].all())
+    True
+    """
+    nodes = np.zeros([n + 2 * MARGIN for n in multiples.shape], dtype=np.uint8)
+    nodes[(slice(MARGIN, -MARGIN),) * nodes.ndim] = multiples >= level
+    layer = as_layer(nodes)
+    _clamp(layer)
+    return np.asarray(layer if nodes.ndim == 3 else layer[1])
+
+
+def distinct_levels(parts: Sequence[Multiples]) -> IntArray:
+    """Return the distinct multiples in 1..`FULL` of some arrays, ascending.
+
+    Parameters
+    ----------
+    parts
+        Multiples of any shape, int32.
+
+    Examples
+    --------
+    >>> distinct_levels([np.array([[3, 0], [-1, 2]], dtype=np.int32)]).tolist()
+    [2, 3]
+    """
+    is_there = np.zeros(FULL + 1, dtype=np.bool_)
+    for part in parts:
+        _mark(np.ascontiguousarray(part).ravel(), is_there)
+    return np.flatnonzero(is_there).astype(np.int64)
+
+
 def complement(nodes: Multiples) -> Multiples:
     """Return the multiples of the complement, in which nodes leave as the threshold falls.
 
@@ -72,6 +125,14 @@ def complement(nodes: Multiples) -> Multiples:
     its components are the holes (2D) or voids (3D), and the outside (algorithm 2).
     """
     return np.asarray(FULL + 1 - nodes, dtype=np.int32)
+
+
+@numba.njit(cache=True)
+def _mark(multiples, is_there):  # type: ignore[no-untyped-def]
+    """Mark the multiples above 0 that are at most `FULL`, in place."""
+    for multiple in multiples:
+        if 0 < multiple <= FULL:
+            is_there[multiple] = True
 
 
 @numba.njit(cache=True)

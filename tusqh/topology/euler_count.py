@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
 from tusqh.grid.arrays import IntArray
 from tusqh.grid.doubled import Offset, as_layer, cells_around, unit_offsets
@@ -75,7 +76,7 @@ def count_euler(nodes: Multiples) -> IntArray:
     return np.asarray(_count_stars(nodes, np.zeros_like(sign), sign)[0])
 
 
-def count_euler_at(nodes: Multiples, level: int) -> int:
+def count_euler_at(nodes: Multiples | NDArray[np.uint8], level: int) -> int:
     """Return the Euler characteristic at one level.
 
     Parameters

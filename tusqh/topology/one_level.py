@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
 from tusqh.grid.doubled import as_layer
 from tusqh.sampling.doubled_grid import Multiples
@@ -17,7 +18,7 @@ from tusqh.topology.betti_numbers import BettiNumbers
 from tusqh.topology.euler_count import count_euler_at
 
 
-def count_at_level(nodes: Multiples, level: int) -> BettiNumbers:
+def count_at_level(nodes: Multiples | NDArray[np.uint8], level: int) -> BettiNumbers:
     """Return the Betti numbers of the nodes whose multiples are at least a level.
 
     Parameters

@@ -12,7 +12,7 @@ import pandas as pd
 from tusqh.grid import FloatArray
 from tusqh.sampling.doubled_grid import RESOLUTION, Multiples
 from tusqh.topology.betti_numbers import BettiNumbers
-from tusqh.topology.clamping import clamp_multiples, complement
+from tusqh.topology.clamping import clamp_at_level, clamp_multiples, complement
 from tusqh.topology.curves import persistence_by_cell, tabulate_curves
 from tusqh.topology.one_level import count_at_level
 from tusqh.topology.pairs import count_on_diagonal, tabulate_pairs
@@ -119,7 +119,8 @@ class Topology:
         """
         if "curves" in self.__dict__:
             return betti_at(self.curves, threshold)
-        return count_at_level(self._nodes, math.ceil(threshold / RESOLUTION))
+        nodes = clamp_at_level(self.multiples, math.ceil(threshold / RESOLUTION))
+        return count_at_level(nodes, 1)
 
     def require_agreement(self, *, name: str) -> None:
         """Raise an error if pairs and curves, two independent counts, differ.
