@@ -109,7 +109,7 @@ class CellSet:
         return n_vertices + int((found.edge_material != wanted.edge_material).sum())
 
     def forget_decision(self) -> None:
-        """Free the memory of `decision`, of which `n_overruled` stays; it is made again if needed."""
+        """Free the memory of `decision`, which is made again if needed; `n_overruled` stays."""
         _ = self.n_overruled
         self.__dict__.pop("decision", None)
 
