@@ -14,6 +14,9 @@ from tusqh.machine import available_memory
 #: overlaps needs most of it.  Measured on bunny, cube, shell and disc; a test repeats it.
 _MESHING = {2: (20, 950), 3: (75, 160)}
 
+#: The same for a grid full of several materials.
+_SEVERAL = {2: 1000, 3: 500}
+
 #: The same for sampling alone.
 _SAMPLING = {2: 24, 3: 40}
 
@@ -41,7 +44,7 @@ def estimate_memory(n_cells: int, n_kept: int, *, dim: int) -> int:
 
 def require_memory(
     grid: BackgroundGrid,
-    step: Literal["sampling", "meshing"],
+    step: Literal["sampling", "meshing", "meshing of several materials"],
     *,
     name: str,
     volume: float | None = None,
@@ -65,7 +68,9 @@ def require_memory(
         The estimate exceeds the memory of this machine.
     """
     needed = grid.n_cells * _SAMPLING[grid.dim]
-    if step == "meshing":
+    if step == "meshing of several materials":
+        needed = grid.n_cells * _SEVERAL[grid.dim]
+    elif step == "meshing":
         full = grid.n_cells if volume is None else int(abs(volume) / grid.cell_size**grid.dim)
         needed = estimate_memory(grid.n_cells, min(full, grid.n_cells), dim=grid.dim)
     available = available_memory()

@@ -74,7 +74,7 @@ def sample_materials(gathered: Gathered, settings: Settings, *, rest: str | None
     surfaces = list(gathered.surfaces.values())
     box = _box_around(surfaces) if settings.window is None else settings.window.box
     grid = lay_grid(surfaces[0], box, cells=settings.grid.cells, cell_size=settings.grid.cell_size)
-    require_memory(grid, "meshing", name="materials")
+    require_memory(grid, "meshing of several materials", name="materials")
     window = None if settings.window is None else box
     found = fractions_of_surfaces(
         gathered.surfaces, grid, sampling=settings.sampling, window=window, rest=rest
