@@ -80,7 +80,7 @@ def draw_thresholds() -> Figure:
 
 def draw_curves() -> Figure:
     """Draw the fractions, the Betti curves and the persistence pairs of the ring."""
-    result = tusqh.mesh(broken_ring(), cells=16, betti=(2, 1), bridges="none")
+    result = tusqh.mesh(broken_ring(), cells=16, betti=(2, 1), bridges="none", scope="global")
     figure, axes = style.new_figure(1, 3, width=10.5, height=3.4)
     _draw_fractions(axes[0, 0], result)
     curves = result.topologies
@@ -117,7 +117,7 @@ def draw_bearing() -> Figure:
     show(axes[0, 0], picture, "the bearing: eleven parts")
     for panel, result, words in (
         (axes[0, 1], plain, "threshold 0.5"),
-        (axes[0, 2], apart, f"threshold {apart.selection.threshold:.3g}"),
+        (axes[0, 2], apart, f"{apart.built.facts['changed_cells']} cells changed"),
     ):
         half = surface_of(_cut(result.mesh))
         picture = render(half, box, scalars="rgb", rgb=True, **_EDGES)

@@ -1,7 +1,8 @@
 """The islands of a shapefile: ``python examples/shapefile_map.py [FOLDER]``.
 
 Hawaii has eight main islands.  On cells of 9 km a threshold of 1/2 loses one of them; asked for
-eight components, Tusqh finds the thresholds that keep all of them apart.
+eight components, Tusqh finds the thresholds that keep all of them, and adds only the cells that it
+takes.
 
 The outlines are those of the US Census Bureau inside the Python package plotly-geo; distances need
 metres, so they are projected first (UTM zone 4N, pyproj): ``pip install ".[data]"``.

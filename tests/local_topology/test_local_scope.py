@@ -6,21 +6,26 @@ import numpy as np
 import pandas as pd
 import pytest
 import pyvista
+from fields import make_fractions, random_fractions
 from typer.testing import CliRunner
 
 import tusqh
+from tusqh.antialias.cells import CellSets
 from tusqh.certificate import FILE_NAME, check_certificate
 from tusqh.cli.app import app
 from tusqh.errors import ConfigError
 from tusqh.hashing import canonical_json
 from tusqh.meshes.export import read_vtu
 from tusqh.settings.arguments import from_options, to_words
+from tusqh.settings.goal import Goal, Target
 from tusqh.settings.model import Settings
+from tusqh.threshold.choose import choose_threshold
+from tusqh.threshold.plateaus import BETTI, Plateaus
 
 #: Two squares that are 0.3 apart; a grid of 16 cells joins them at 1/2.
 SQUARES = [[0, 0], [4, 0], [4, 4], [0, 4], [4.3, 0], [8.3, 0], [8.3, 4], [4.3, 4]]
 LINES = [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4]]
-WISH = {"cells": 16, "placement": "corner", "betti": (2, 0), "scope": "local"}
+WISH = {"cells": 16, "placement": "corner", "betti": (2, 0)}
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +46,7 @@ def failed(folder):
 def test_all_files_state_the_changes(saved):
     result, folder = saved
     assert result.report.measured == (2, 0, 0)
-    assert "8 cells in 1 groups differ from those of the threshold 0.5" in str(result.report)
+    assert "8 cells in 1 group differ from those of the threshold 0.5" in str(result.report)
     table = pd.read_csv(folder / "changes.csv")
     assert table[["change", "cells"]].values.tolist() == [["left out", 8]]
     certificate = json.loads((folder / FILE_NAME).read_text())
@@ -112,6 +117,47 @@ def test_the_local_scope_has_no_effect_on_a_threshold():
     ]
     assert np.array_equal(results[0].mesh.cells, results[1].mesh.cells)
     assert "`scope` applies only with `target` or `persistence`" in str(results[1].report)
+
+
+def test_the_global_scope_takes_one_threshold_for_all_cells(saved):
+    geometry = np.array(SQUARES), np.array(LINES)
+    result = tusqh.mesh(geometry, **WISH, scope="global", name="squares")
+    cells = result.built.resolved.cells
+    assert np.array_equal(cells.kept, result.fractions.cells >= result.selection.threshold)
+    assert (result.selection.base, len(result.built.changes)) == (None, 0)
+    assert "changes" not in result.report.lines()
+    local, _ = saved
+    one = local.choice.with_one_threshold(local.settings.goal, name="squares")
+    assert one == result.selection
+
+
+def test_a_base_with_the_wanted_topology_is_taken_as_it_is():
+    """The widest interval with one component ends at 1; the base lies in a narrow one below it."""
+    cells = np.array([[1.0, 1, 0.45, 1], [0.7, 0.48, 0.6, 1]])
+    plateaus = Plateaus(CellSets(make_fractions(cells)))
+    goal = Goal(target=Target(betti_0=1, betti_1=0), base=0.3)
+    chosen, candidates = choose_threshold(plateaus, goal)
+    assert (chosen.threshold, chosen.base) == (0.3, 0.3)
+    assert "no cell differs" in chosen.reason
+    assert np.array_equal(chosen.cells.kept, cells >= 0.3)
+    assert candidates["status"].iloc[0] == "chosen"
+    assert candidates["lower"].iloc[0] < 0.3 <= candidates["upper"].iloc[0]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_every_reachable_target_is_met_from_every_base(seed):
+    rng = np.random.default_rng(seed)
+    fractions = random_fractions(rng, (6, 6) if seed % 2 else (4, 4, 3), n_levels=9)
+    plateaus = Plateaus(CellSets(fractions))
+    wanted = plateaus.table[plateaus.table["cells"] > 0][BETTI].drop_duplicates()
+    for row in wanted.head(5).to_dict("records"):
+        for base in (0.25, 0.5, "match"):
+            chosen, _ = choose_threshold(plateaus, Goal(target=Target(**row), base=base))
+            assert chosen.predicted._asdict() == row
+            assert chosen.resolved.mesh.measurement.by_boundary._asdict() == row
+            at_base = plateaus.cell_sets.at(chosen.base)
+            if at_base.predicted == chosen.predicted and at_base.kept.any():
+                assert np.array_equal(chosen.cells.kept, at_base.kept)
 
 
 def test_persistent_features_with_the_local_scope():

@@ -118,8 +118,14 @@ def test_the_local_scope_needs_a_wish_for_a_topology():
     settings = Settings.from_dict({"threshold": 0.4, "scope": "local"})
     (sentence,) = find_without_effect(settings, "surface")
     assert sentence == "`scope` applies only with `target` or `persistence`"
-    settings = Settings.from_dict({"target": {"betti_0": 1}, "scope": "local", "base": "match"})
+    settings = Settings.from_dict({"target": {"betti_0": 1}, "base": "match"})
     assert list(find_without_effect(settings, "surface")) == []
+    settings = Settings.from_dict({"target": {"betti_0": 1}, "scope": "global", "base": "match"})
+    (sentence,) = find_without_effect(settings, "surface")
+    assert sentence == "`base` applies only with `scope: local`"
+    settings = Settings.from_dict({"volume": "match", "base": 0.4})
+    (sentence,) = find_without_effect(settings, "surface")
+    assert sentence == "`base` applies only with `target` or `persistence`"
 
 
 def test_the_panels_of_a_model_apply_to_outlines():

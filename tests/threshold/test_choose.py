@@ -8,6 +8,7 @@ from fields import make_fractions, random_fractions
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
 from tusqh.errors import TopologyError
+from tusqh.local_topology.move import approach
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.meshes.measure import Measurement
 from tusqh.settings.goal import Goal, Range, Target
@@ -29,13 +30,15 @@ def choose(fractions, policy=None, **wanted):
 
 def mesh_of(fractions, chosen):
     """Return the workflow's mesh, made from the threshold and policy of the selection."""
-    cells = CellSets(fractions, chosen.policy).at(chosen.threshold)
+    cell_sets = approach(CellSets(fractions, chosen.policy), chosen.base)
+    cells = cell_sets.at(chosen.threshold)
     assert cells.predicted == chosen.predicted
     return build_mesh(cells, fractions.grid).mesh
 
 
 def test_a_hole_is_found_where_it_lives():
-    chosen, candidates = choose(make_fractions(CELLS), target={"betti_0": 1, "betti_1": 1})
+    wish = {"target": {"betti_0": 1, "betti_1": 1}, "scope": "global"}
+    chosen, candidates = choose(make_fractions(CELLS), **wish)
     assert (chosen.threshold, chosen.margin) == (0.375, 0.125)
     assert (chosen.cells_lower, chosen.cells_upper) == (0.25, 0.5)
     assert chosen.interval == (0.25, 0.5, 0.125, 0)

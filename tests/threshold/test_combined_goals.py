@@ -31,7 +31,7 @@ def test_the_mesh_has_the_nearest_volume_of_all_with_the_wanted_topology():
         ]
         errors = np.array([abs(mesh.measurement.volume - volume) for mesh in meshes])
         for target in betti.drop_duplicates().to_dict("records"):
-            goal = Goal(target=Target(**target), volume="match")
+            goal = Goal(target=Target(**target), volume="match", scope="global")
             chosen, candidates = choose_threshold(plateaus, goal)
             has_topology = (betti == list(target.values())).all(axis=1).to_numpy()
             found = abs(chosen.resolved.mesh.measurement.volume - volume)

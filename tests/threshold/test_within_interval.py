@@ -13,6 +13,9 @@ from tusqh.threshold.choose import choose_threshold
 from tusqh.threshold.plateaus import BETTI, Plateaus, merge_intervals
 from tusqh.threshold.within_interval import GOOD, SAFE_DISTANCE, SAFE_SHARE
 
+#: One threshold for all cells, so that its place within an interval matters.
+ONE_COMPONENT = Goal(target=Target(betti_0=1), scope="global")
+
 
 def plateaus_of(fractions, volume):
     return Plateaus(CellSets(fractions), reference=Reference(volume, "the known volume"))
@@ -23,7 +26,7 @@ def test_the_threshold_of_a_target_has_the_volume_nearest_to_the_reference():
     cells = np.array([[1.0, 1, 1, 0.9, 0.8, 0.7, 0.6, 0.4, 0.3, 0.2, 0.1]])
     for volume in range(4, 10):
         plateaus = plateaus_of(make_fractions(cells), volume)
-        chosen, _ = choose_threshold(plateaus, Goal(target=Target(betti_0=1)))
+        chosen, _ = choose_threshold(plateaus, ONE_COMPONENT)
         assert int((cells >= chosen.threshold).sum()) == volume
         assert (chosen.threshold == 0.5) == (volume == 7)
 
@@ -31,7 +34,7 @@ def test_the_threshold_of_a_target_has_the_volume_nearest_to_the_reference():
 def test_one_half_is_taken_where_its_volume_is_no_worse_and_only_there():
     cells = np.array([[1.0] * 200 + [0.7, 0.3, 0.2]])
     fractions = make_fractions(cells)
-    goal = Goal(target=Target(betti_0=1))
+    goal = ONE_COMPONENT
     # The volume of the cells at 1/2 is within 0.5 % of 202.
     assert choose_threshold(plateaus_of(fractions, 202), goal)[0].threshold == 0.5
     assert choose_threshold(plateaus_of(fractions, 180), goal)[0].threshold > 0.7
@@ -67,9 +70,7 @@ def test_the_safe_distance_to_the_ends_is_kept_and_no_safe_plateau_has_a_better_
 
 def test_an_unknown_volume_leaves_the_middle():
     cells = np.array([[1.0, 0.9, 0.1]])
-    chosen, _ = choose_threshold(
-        plateaus_of(make_fractions(cells), 0.0), Goal(target=Target(betti_0=1))
-    )
+    chosen, _ = choose_threshold(plateaus_of(make_fractions(cells), 0.0), ONE_COMPONENT)
     assert chosen.threshold == 0.5
     assert "unknown" in chosen.reason
 

@@ -97,6 +97,11 @@ class CellSet:
         return BettiNumbers(betti_0, without.betti_1 + n_more_holes, without.betti_2)
 
     @property
+    def threshold_of_cells(self) -> float:
+        """The threshold of the kept cells; that of the contacts, `threshold`, may be another."""
+        return self.threshold
+
+    @property
     def n_contacts(self) -> int:
         """Number of pinched vertices, and in 3D edges, each of which has one vote."""
         return len(self.contacts)

@@ -12,18 +12,21 @@ from tusqh.settings.model import Settings
 
 @dataclass(frozen=True)
 class Command:
-    """A command to which a threshold is added.
+    """A command to which a threshold or, for the final mesh, its goal is added.
 
     Parameters
     ----------
     before, after
         The words before and after ``--threshold T``, quoted for a shell.
+    goal
+        The words that make the final mesh instead; empty if they are those of its threshold.
     note
         What the command omits, in words; often empty.
     """
 
     before: str
     after: str
+    goal: str = ""
     note: str = ""
 
 
@@ -35,7 +38,7 @@ def mesh_command(geometry: str, settings: Settings, *, name: str) -> Command:
     geometry
         The geometry file, as named in the configuration.
     settings
-        How it is meshed; the threshold is left out.
+        How it is meshed; the goal is kept apart.
     name
         The model, which names the output file.
 
@@ -50,4 +53,5 @@ def mesh_command(geometry: str, settings: Settings, *, name: str) -> Command:
     if settings.grid == Grid():
         words += ["--cells", str(settings.grid.cells)]
     words += to_words(settings, without=("goal",))
-    return Command(shlex.join(words), shlex.join(["-o", f"{name}.vtu"]))
+    goal = to_words(Settings(goal=settings.goal)) if settings.goal.is_local else []
+    return Command(shlex.join(words), shlex.join(["-o", f"{name}.vtu"]), shlex.join(goal))

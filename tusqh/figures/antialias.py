@@ -29,7 +29,12 @@ _CLOSE_UP = 24
 
 
 def draw_antialias(
-    fractions: VolumeFractions, mesh: VolumeMesh, *, threshold: float, unit: str
+    fractions: VolumeFractions,
+    mesh: VolumeMesh,
+    *,
+    threshold: float,
+    base: float | None = None,
+    unit: str,
 ) -> Figure:
     """Return an overview, a close-up of the interior sub-cells, and one of the final mesh.
 
@@ -40,7 +45,9 @@ def draw_antialias(
     mesh
         The mesh made from them.
     threshold
-        Threshold of the mesh, dimensionless.
+        Threshold of the mesh, at which contacts vote, dimensionless.
+    base
+        With the local scope: the threshold of most cells; None: they are those of `threshold`.
     unit
         Unit of length of the geometry.
     """
@@ -72,9 +79,11 @@ def draw_antialias(
     style.frame(row[0], np.divide(grid.origin, scale), np.divide(grid.upper, scale), unit)
     row[0].set_title(f"{mesh.name}: the mesh; dots: pinches of its cells ({len(pinches)})")
 
-    _draw_sub_cells(row[1], fractions, kept, threshold, scale)
+    in_base = fractions.cells >= (threshold if base is None else base)
+    _draw_sub_cells(row[1], fractions, kept, in_base, threshold, scale)
     style.frame(row[1], lower, upper, unit)
-    row[1].set_title(f"interior sub-cells at threshold {threshold:.4g}")
+    of_cells = "" if base is None else f"; cells of {base:.4g}"
+    row[1].set_title(f"interior sub-cells at threshold {threshold:.4g}{of_cells}")
     style.draw_polygons(row[2], points, mesh.cells, colour=colours, line_width=0.4)
     style.frame(row[2], lower, upper, unit)
     row[2].set_title("the mesh, with its templates")
@@ -83,11 +92,12 @@ def draw_antialias(
         Line2D([], [], color=style.INTERIOR_EDGE, label="edge"),
         Patch(color=style.MATERIAL, label="kept cell"),
         Patch(color=style.REMOVED, label="removed cell"),
+        Patch(color=style.ADDED, label="added cell"),
         Patch(color=style.CONNECTING, label="connecting template"),
         Patch(color=style.SEPARATING, label="separating template"),
         Patch(color=style.BRIDGE, label="bridge"),
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=7, frameon=False)
+    figure.legend(handles=handles, loc="outside lower center", ncols=8, frameon=False)
     return figure
 
 
@@ -107,12 +117,20 @@ def _busiest(
 
 
 def _draw_sub_cells(
-    axes: Axes, fractions: VolumeFractions, kept: BoolArray, threshold: float, scale: float
+    axes: Axes,
+    fractions: VolumeFractions,
+    kept: BoolArray,
+    in_base: BoolArray,
+    threshold: float,
+    scale: float,
 ) -> None:
-    """Draw kept and removed cells, and the interior edges and vertices."""
+    """Draw kept, removed and added cells, and the interior edges and vertices."""
     grid = fractions.grid
-    removed = (fractions.cells >= threshold) & ~kept
-    for mask, colour in ((kept, style.MATERIAL), (removed, style.REMOVED)):
+    for mask, colour in (
+        (kept & in_base, style.MATERIAL),
+        (in_base & ~kept, style.REMOVED),
+        (kept & ~in_base, style.ADDED),
+    ):
         corners = np.argwhere(mask)[:, None] + QUAD_CORNERS
         points = grid.to_points(corners.reshape(-1, 2)) / scale
         quads = np.arange(len(points)).reshape(-1, 4)

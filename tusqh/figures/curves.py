@@ -23,6 +23,7 @@ def draw_curves(
     topologies: pd.DataFrame,
     *,
     threshold: float,
+    base: float | None = None,
     interval: tuple[float, float],
     wanted: str,
     name: str,
@@ -38,6 +39,8 @@ def draw_curves(
         Examined plateaus, with the Betti numbers of their meshes after all decisions.
     threshold
         The chosen threshold, dimensionless.
+    base
+        With the local scope: the threshold of the base; None with one threshold.
     interval
         Ends of the interval; thresholds ``t`` with ``lower < t <= upper`` have the chosen topology.
     wanted
@@ -54,6 +57,8 @@ def draw_curves(
         )
         panel.axvspan(*interval, color=style.CHOSEN, alpha=0.3, linewidth=0)
         panel.axvline(threshold, color="black", linewidth=0.8)
+        if base is not None and base != threshold:
+            panel.axvline(base, color="black", linewidth=0.8, linestyle="--")
         panel.plot(*of_filtration, color="#999999", linewidth=0.8)
         panel.plot(*of_meshes, color=style.MESH_LINE, linewidth=1.4)
         largest = max(np.nanmax(of_filtration[1]), np.nanmax(of_meshes[1]))
@@ -69,7 +74,7 @@ def draw_curves(
     handles = [
         Line2D([], [], color="#999999", label="filtration, each pinch decided by itself"),
         Line2D([], [], color=style.MESH_LINE, label="mesh, after all decisions"),
-        Line2D([], [], color="black", linewidth=0.8, label=f"chosen threshold: {threshold:.4g}"),
+        *_lines_of_thresholds(threshold, base),
         Patch(
             color=style.CHOSEN,
             alpha=0.3,
@@ -79,6 +84,17 @@ def draw_curves(
     figure.legend(handles=handles, loc="outside lower center", ncols=2, frameon=False)
     figure.suptitle(f"{name}: Betti numbers; requested: {_in_symbols(wanted)}")
     return figure
+
+
+def _lines_of_thresholds(threshold: float, base: float | None) -> list[Line2D]:
+    """Return the entries of the legend for the threshold and, if it is another one, the base."""
+    if base is None or base == threshold:
+        label = f"chosen threshold: {threshold:.4g}"
+        return [Line2D([], [], color="black", linewidth=0.8, label=label)]
+    return [
+        Line2D([], [], color="black", linewidth=0.8, label=f"topology of {threshold:.4g} (seed)"),
+        Line2D([], [], color="black", linewidth=0.8, ls="--", label=f"cells of {base:.4g} (base)"),
+    ]
 
 
 def _in_symbols(wanted: str) -> str:

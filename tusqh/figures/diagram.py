@@ -21,7 +21,12 @@ _NEVER = -0.06
 
 
 def draw_diagram(
-    pairs: pd.DataFrame, diagonal: pd.DataFrame, *, threshold: float, name: str
+    pairs: pd.DataFrame,
+    diagonal: pd.DataFrame,
+    *,
+    threshold: float,
+    base: float | None = None,
+    name: str,
 ) -> Figure:
     """Return a figure of the persistence diagram with the chosen threshold marked.
 
@@ -37,6 +42,9 @@ def draw_diagram(
         Counts of the pairs with persistence 0, with the columns dimension, birth and pairs.
     threshold
         The chosen threshold, dimensionless.
+    base
+        With the local scope: the threshold of the base, whose quadrant is outlined; None with one
+        threshold.
     name
         The model, for the title.
     """
@@ -48,6 +56,9 @@ def draw_diagram(
     panel.plot([0, high], [0, high], color="black", linewidth=0.8)
     panel.axhline(_NEVER, color="black", linewidth=0.6, linestyle=":")
     panel.fill_between([threshold, high], -0.12, threshold, color="#000000", alpha=0.06)
+    is_local = base is not None and base != threshold
+    if is_local:
+        panel.plot([base, base, high], [-0.12, base, base], color="black", linewidth=0.8, ls="--")
     panel.text(high + 0.01, _NEVER, "never\ndies", va="center", ha="left", fontsize=8)
     handles = []
     for k in sorted(shown["dimension"].unique().tolist()):
@@ -65,7 +76,11 @@ def draw_diagram(
     panel.set_aspect("equal")
     panel.set_xlabel("threshold at birth [-]")
     panel.set_ylabel("threshold at death [-]")
-    panel.set_title(f"{name}: persistence; shaded: in the mesh at threshold {threshold:.4g}")
+    shaded = f"{name}: persistence; shaded: in the mesh at threshold {threshold:.4g}"
+    if is_local:
+        shaded = f"{name}: persistence; shaded: in the seed at {threshold:.4g}, whose topology the "
+        shaded += f"mesh has;\ndashed: at the base {base:.4g}"
+    panel.set_title(shaded, fontsize=9 if is_local else None)
     figure.legend(handles=handles, loc="outside lower center", fontsize=8, frameon=False)
     return figure
 

@@ -22,6 +22,7 @@ from tusqh.grid import FloatArray, IntArray
 
 MATERIAL = "#a9d6ee"
 REMOVED = "#222222"
+ADDED = "#e7298a"
 FILLED = "#5b8db8"
 OUTLINE = "#888888"
 #: Edges of elements, and the geometry over them in a section.

@@ -13,6 +13,7 @@ empty cells.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -61,6 +62,11 @@ class LocalCells(CellSet):
     wishes: tuple[Wish, ...] = ()
 
     @property
+    def threshold_of_cells(self) -> float:
+        """The threshold of the base, whose cells are kept except for the changes."""
+        return self.base
+
+    @property
     def n_changes(self) -> int:
         """Number of cells that differ from the base."""
         return int((self.kept != self.in_base).sum())
@@ -79,7 +85,7 @@ class LocalCellSets(CellSets):
 
     def __init__(self, cell_sets: CellSets, base: float) -> None:
         super().__init__(cell_sets.fractions, cell_sets.policy, topology=cell_sets.topology)
-        self._base = super().at(base)
+        self._base_threshold = base
 
     def at(self, threshold: float) -> LocalCells:
         """Return the cells with the topology of a threshold and the geometry of the base.
@@ -89,7 +95,14 @@ class LocalCellSets(CellSets):
         threshold
             Volume-fraction threshold of the seed in (0, 1], dimensionless.
         """
+        if threshold == self._base_threshold:
+            return move_to_base(self._base, self._base)
         return move_to_base(super().at(threshold), self._base)
+
+    @cached_property
+    def _base(self) -> CellSet:
+        """The cells of the base."""
+        return super().at(self._base_threshold)
 
 
 def approach(cell_sets: CellSets, base: float | None) -> CellSets:

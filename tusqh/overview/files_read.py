@@ -16,6 +16,7 @@ LINK_TITLES = {
     "topologies": "all topologies",
     "bridges": "bridges",
     "features": "removed and filled",
+    "changes": "cells that differ from the base",
     "simulation": "simulation (ParaView)",
 }
 

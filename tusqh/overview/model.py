@@ -16,7 +16,7 @@ from tusqh.geometry.remark import Remark
 from tusqh.hashing import hash_file
 from tusqh.overview.files_read import FILES_READ, LINK_TITLES
 from tusqh.pipeline.describe_reading import lines_of_reading
-from tusqh.quality.verdict import compare_volumes, describe_contacts, overall
+from tusqh.quality.verdict import compare_volumes, describe_changes, describe_contacts, overall
 from tusqh.threshold.within_interval import describe_extent
 
 #: Columns of the register that describe the origin of a geometry.
@@ -113,6 +113,7 @@ def read_model(
         "mesh": f"{facts['elements']:,} {kind} of {facts['grid']} cells, "
         f"{describe_contacts(facts)}, "
         f"volume {compare_volumes(facts)}",
+        **describe_changes(facts),
         "verdict": overall(verdict),
         "every threshold": f"{n_holding} of {len(verification)} as predicted",
     }

@@ -22,7 +22,7 @@ from tusqh.meshes.checks import Check
 from tusqh.meshes.export import write_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.original import Original, to_warnings
-from tusqh.quality.comparison import OTHER_THRESHOLD
+from tusqh.quality.comparison import OTHER_BASE, OTHER_THRESHOLD
 from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.reference import Reference
@@ -224,6 +224,6 @@ def require_volume(built: Built) -> None:
             f"the volume of the nearest mesh is {check.found}; wanted is {built.selection.wanted}",
             where=built.mesh.name,
             expected=f"a volume {check.required}",
-            remedy=check.remedy.replace(OTHER_THRESHOLD, "")
+            remedy=check.remedy.replace(OTHER_THRESHOLD, "").replace(OTHER_BASE, "")
             + "; `--volume-tolerance` allows a larger difference",
         )

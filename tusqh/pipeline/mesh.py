@@ -47,7 +47,7 @@ def mesh(
     threshold: float | None = None,
     persistence: float | None = None,
     volume: Literal["match"] | None = None,
-    scope: Scope = "global",
+    scope: Scope | None = None,
     features: Sequence[Mapping[str, Any]] | None = None,
     base: Base = 0.5,
     window: Sequence[Sequence[float]] | None = None,
@@ -95,13 +95,14 @@ def mesh(
         ``"match"`` chooses the threshold whose mesh best matches the volume of the geometry; with
         `betti` or `persistence`, among the thresholds that meet that request.
     scope
-        With `betti` or `persistence`: ``"local"`` keeps the cells of the threshold `base` and adds
-        or leaves out only those that the topology needs.
+        With `betti` or `persistence`: ``"local"``, the default, keeps the cells of the threshold
+        `base` and adds or leaves out only those that the topology needs; ``"global"`` keeps the
+        cells of the one threshold that gives the topology, as in the paper.
     features
         Single features of the persistence diagram that are opened, cut or filled, such as
         ``[{"near": (0, 0, 1), "class": "hole", "do": "fill"}, {"row": 3, "do": "cut"}]``.
     base
-        With ``scope="local"``: that threshold, or ``"match"`` for the one whose cells have the
+        With the local scope: that threshold, or ``"match"`` for the one whose cells have the
         volume of the geometry.
     window
         Lowest and highest corner of the box to mesh in; the bounding box by default.

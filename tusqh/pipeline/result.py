@@ -23,7 +23,7 @@ from tusqh.pipeline.ingest import describe_geometry
 from tusqh.pipeline.judge import Judgement
 from tusqh.pipeline.persistence import Persistence
 from tusqh.pipeline.select import Choice
-from tusqh.quality.verdict import compare_volumes, describe_contacts
+from tusqh.quality.verdict import compare_volumes, describe_changes, describe_contacts
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.io import save_fractions
 from tusqh.sampling.placement import Placement
@@ -102,22 +102,12 @@ class Report:
             "mesh": f"{facts['elements']:,} {'hexes' if facts['dimension'] == 3 else 'quads'} of "
             f"{facts['grid']} cells, {describe_contacts(facts)}, "
             f"volume {compare_volumes(facts)}",
-            **self._changes(),
+            **describe_changes(facts),
             **self._placement(),
             "verdict": str(Judgement(self.elements, self.verdict)),
             **self._not_run(),
         }
         return lines_of_reading(self.reading) | of_mesh | self._warnings() | self._remarks()
-
-    def _changes(self) -> dict[str, str]:
-        """Return a line on the cells that the topology costs, with the local scope."""
-        facts = self.facts
-        if "base" not in facts:
-            return {}
-        return {
-            "changes": f"{facts['changed_cells']:,} cells in {facts['changed_groups']:,} groups "
-            f"differ from those of the threshold {facts['base']:.6g}"
-        }
 
     def _placement(self) -> dict[str, str]:
         """Return a line on the placement of the grid, if the program chose it."""

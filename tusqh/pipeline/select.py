@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import pandas as pd
 
@@ -43,6 +43,20 @@ class Choice:
         See `tusqh.threshold.plateaus.Plateaus.table`, which examines all plateaus.
         """
         return self.plateaus.table
+
+    def with_one_threshold(self, goal: Goal, *, name: str) -> Selection:
+        """Return what the global scope selects for the same goal, as in the paper.
+
+        Parameters
+        ----------
+        goal
+            How the threshold was chosen.
+        name
+            The model, for messages.
+        """
+        if self.selection.base is None:
+            return self.selection
+        return choose_threshold(self.plateaus, replace(goal, scope="global"), name=name)[0]
 
 
 def find_plateaus(

@@ -10,6 +10,7 @@ from tusqh.antialias.resolve import Resolved
 from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.soup import Soup
 from tusqh.geometry.soup_facts import SoupFacts
+from tusqh.local_topology.move import LocalCells
 from tusqh.meshes.checks import Check
 from tusqh.quality.thickness import measure_thickness
 from tusqh.sampling.fractions import VolumeFractions, to_level
@@ -20,6 +21,9 @@ FAR_OFF = 0.5
 
 #: The part of the remedy for volumes that does not apply if the volume was to be matched.
 OTHER_THRESHOLD = ", another threshold, or `--match-volume`"
+
+#: The same with the local scope, where the base decides on most cells.
+OTHER_BASE = ", another base (`--base`), or `--base match`"
 
 #: Components of at most this many cells along each axis are small.
 _SMALL = 2
@@ -96,7 +100,8 @@ def _volume(resolved: Resolved, reference: Reference, thin: list[Check], toleran
     error = abs(ratio - 1)
     remedy = ""
     if error > tolerance:
-        remedy = "use smaller cells (`--cells`)" + OTHER_THRESHOLD
+        is_local = isinstance(resolved.cells, LocalCells)
+        remedy = "use smaller cells (`--cells`)" + (OTHER_BASE if is_local else OTHER_THRESHOLD)
         remedy = "; ".join(f"{check.found}: {check.remedy}" for check in thin) or remedy
     features = resolved.cells.features
     is_component = features["feature"] == "component"
@@ -163,7 +168,7 @@ def _small_components(cells: CellSet, fractions: VolumeFractions) -> list[Check]
 
 def _ties(cells: CellSet, fractions: VolumeFractions) -> list[Check]:
     """Return a warning if the fraction of many cells equals the threshold."""
-    n_tied = int((fractions.cell_multiples == to_level(cells.threshold)).sum())
+    n_tied = int((fractions.cell_multiples == to_level(cells.threshold_of_cells)).sum())
     n_kept = int(cells.kept.sum())
     if n_tied <= _TIED * n_kept:
         return []

@@ -38,6 +38,8 @@ def summarise_model(
         "cells": facts["cells_kept"],
         "elements": facts["elements"],
         "threshold": facts["threshold"],
+        "base": facts.get("base", float("nan")),
+        "changed_cells": facts.get("changed_cells", 0),
         "margin": facts["margin"],
         "betti_predicted": str(tuple(facts["betti_predicted"])),
         "betti_measured": str(tuple(facts["betti_measured"])),

@@ -235,6 +235,31 @@ def describe_contacts(facts: Mapping[str, Any]) -> str:
     return count + (f", {facts['overruled']:,} of them overruled" if facts["overruled"] else "")
 
 
+def describe_changes(facts: Mapping[str, Any]) -> dict[str, str]:
+    """Return a line on the cells that the topology costs; none with one threshold.
+
+    Parameters
+    ----------
+    facts
+        See `tusqh.pipeline.build.Built.facts`.
+
+    Examples
+    --------
+    >>> describe_changes({"base": 0.5, "changed_cells": 8, "changed_groups": 1})
+    {'changes': '8 cells in 1 group differ from those of the threshold 0.5'}
+    """
+    if "base" not in facts:
+        return {}
+    n_cells, n_groups = facts["changed_cells"], facts["changed_groups"]
+    base = f"those of the threshold {facts['base']:.6g}"
+    if n_cells == 0:
+        return {"changes": f"none: the cells are {base}"}
+    cells = "1 cell differs" if n_cells == 1 else f"{n_cells:,} cells"
+    if n_cells > 1:
+        cells += f" in {n_groups:,} group{'s' if n_groups > 1 else ''} differ"
+    return {"changes": f"{cells} from {base}"}
+
+
 def _vtk_jacobian(metrics: pd.DataFrame | None, scheme: Scheme, mesh: VolumeMesh) -> Check:
     identifier, name = "scaled_jacobian_vtk", "smallest scaled Jacobian by VTK"
     if metrics is None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from tusqh.settings.field import entries_of
 from tusqh.settings.section import Section
@@ -42,7 +43,7 @@ def _find(settings: Section, kind: str, *, prefix: str, kinds: tuple[str, ...]) 
     for entry in entries_of(type(settings)):
         about, value = entry.setting, getattr(settings, entry.field)
         name, applies_to = prefix + entry.name, about.kinds or kinds
-        needed = {key: wish for key, wish in about.needs.items() if getattr(settings, key) != wish}
+        needed = {key: wish for key, wish in about.needs.items() if _value(settings, key) != wish}
         if isinstance(value, Section):
             inner = prefix if about.is_inline else f"{name}."
             yield from _find(value, kind, prefix=inner, kinds=applies_to)
@@ -55,3 +56,10 @@ def _find(settings: Section, kind: str, *, prefix: str, kinds: tuple[str, ...]) 
             yield f"`{name}` applies only with {needs}"
         elif about.needs_one_of and all(getattr(settings, k) is None for k in about.needs_one_of):
             yield f"`{name}` applies only with {' or '.join(f'`{k}`' for k in about.needs_one_of)}"
+
+
+def _value(settings: Section, name: str) -> Any:
+    """Return the value that applies for a setting, also if it is not given."""
+    entry = next(entry for entry in entries_of(type(settings)) if entry.name == name)
+    value = getattr(settings, name)
+    return entry.setting.otherwise if value is None else value

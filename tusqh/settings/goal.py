@@ -120,6 +120,8 @@ class Goal(Section):
     --------
     >>> Goal().threshold, Goal(persistence=0.2).threshold
     (0.5, None)
+    >>> Goal().is_local, Goal(persistence=0.2).is_local
+    (False, True)
     """
 
     title: ClassVar[str] = "Threshold"
@@ -159,11 +161,13 @@ class Goal(Section):
         "that of the geometry; with `target` or `persistence`, among the thresholds that give it.",
         default=None,
     )
-    scope: Scope = setting(
-        "With `target` or `persistence`: `global` keeps the cells of the threshold that gives the "
-        "topology; `local` keeps those of the threshold `base`, and adds and leaves out only the "
-        "cells that the topology needs; each change is a row in `changes.csv`.",
-        default="global",
+    scope: Scope | None = setting(
+        "With `target` or `persistence`: `local` keeps the cells of the threshold `base`, and adds "
+        "and leaves out only the cells that the topology needs, each change a row in "
+        "`changes.csv`; `global` keeps the cells of the one threshold that gives the topology, as "
+        "in the paper.",
+        default=None,
+        otherwise="local",
         needs_one_of=("target", "persistence"),
     )
     features: tuple[Feature, ...] | None = setting(
@@ -182,8 +186,15 @@ class Goal(Section):
         above=0,
         at_most=1,
         needs={"scope": "local"},
+        needs_one_of=("target", "persistence", "features"),
         metavar="T",
     )
+
+    @property
+    def is_local(self) -> bool:
+        """Whether the mesh keeps the cells of the base except where the topology needs others."""
+        asks_for_topology = self.target is not None or self.persistence is not None
+        return asks_for_topology and self.scope != "global"
 
     def find_contradictions(self) -> Iterator[tuple[Path, str, str]]:
         """Yield wishes for features that contradict one another or another goal."""

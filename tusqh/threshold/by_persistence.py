@@ -12,12 +12,11 @@ from tusqh.local_topology.move import approach
 from tusqh.settings.policy import Policy
 from tusqh.threshold.by_volume import choose_by_volume
 from tusqh.threshold.candidates import CHOSEN, DISAGREES, list_plateaus, rank_candidates, try_cells
-from tusqh.threshold.describe_choice import describe_choice
+from tusqh.threshold.describe_choice import describe_choice, describe_rank
 from tusqh.threshold.errors import no_threshold_alone, unreachable_persistence
 from tusqh.threshold.first_verified import find_first_verified
 from tusqh.threshold.plateaus import BETTI, Plateaus
 from tusqh.threshold.selection import Selection
-from tusqh.threshold.within_interval import describe_place
 from tusqh.topology.persistence import count_alive
 
 #: Largest number of thresholds that are meshed to remove and fill short-lived features.
@@ -88,7 +87,7 @@ def _without_short_features(
     plateaus: Plateaus, is_free: np.ndarray, wanted: str, base: float | None, name: str
 ) -> tuple[Selection, pd.DataFrame] | None:
     """Return the choice of a threshold without short-lived features."""
-    candidates = rank_candidates(plateaus.table, pd.Series(is_free))
+    candidates = rank_candidates(plateaus.table, pd.Series(is_free), base=base)
     found = find_first_verified(approach(plateaus.cell_sets, base), candidates, name=name)
     if found is None:
         return None
@@ -98,8 +97,7 @@ def _without_short_features(
         row,
         trial.cells,
         wanted=wanted,
-        reason=f"number {row['rank']} of {len(candidates)} intervals with nothing shorter-lived, "
-        f"the widest first; {describe_place(row)}",
+        reason=describe_rank(row, candidates, "nothing shorter-lived", base),
         resolved=trial.resolved,
     )
     return selection, candidates

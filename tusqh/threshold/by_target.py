@@ -8,13 +8,12 @@ from tusqh.local_topology.move import approach
 from tusqh.settings.goal import Target
 from tusqh.threshold.by_volume import choose_by_volume
 from tusqh.threshold.candidates import rank_candidates
-from tusqh.threshold.describe_choice import describe_choice
+from tusqh.threshold.describe_choice import describe_choice, describe_rank
 from tusqh.threshold.errors import unreachable_target
 from tusqh.threshold.first_verified import find_first_verified
 from tusqh.threshold.goals import matches
 from tusqh.threshold.plateaus import Plateaus
 from tusqh.threshold.selection import Selection
-from tusqh.threshold.within_interval import describe_place
 
 
 def choose_by_target(
@@ -61,7 +60,7 @@ def choose_by_target(
         raise unreachable_target(predicted, target, name)
     if matches_volume:
         return choose_by_volume(plateaus, is_wanted, also=str(target), base=base, name=name)
-    candidates = rank_candidates(predicted, pd.Series(is_wanted))
+    candidates = rank_candidates(predicted, pd.Series(is_wanted), base=base)
     found = find_first_verified(approach(plateaus.cell_sets, base), candidates, name=name)
     if found is None:
         raise unreachable_target(predicted, target, name)
@@ -71,8 +70,7 @@ def choose_by_target(
         row,
         trial.cells,
         wanted=str(target),
-        reason=f"number {row['rank']} of {len(candidates)} intervals with {target}, the widest "
-        f"first; {describe_place(row)}",
+        reason=describe_rank(row, candidates, str(target), base),
         resolved=trial.resolved,
     )
     return selection, candidates

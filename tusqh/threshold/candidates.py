@@ -53,8 +53,13 @@ def try_cells(cells: CellSet, grid: BackgroundGrid, *, name: str) -> Trial:
     return Trial(cells, build_mesh(cells, grid, name=name))
 
 
-def rank_candidates(predicted: pd.DataFrame, is_wanted: pd.Series) -> pd.DataFrame:
+def rank_candidates(
+    predicted: pd.DataFrame, is_wanted: pd.Series, *, base: float | None = None
+) -> pd.DataFrame:
     """Return the intervals of wanted plateaus, widest first; ties go to the closest to 1/2.
+
+    With the local scope, the interval that holds the base comes before all others, because no cell
+    has to differ from the base there.
 
     Parameters
     ----------
@@ -62,6 +67,8 @@ def rank_candidates(predicted: pd.DataFrame, is_wanted: pd.Series) -> pd.DataFra
         See `tusqh.threshold.plateaus.Plateaus.table`.
     is_wanted
         The plateaus to use.
+    base
+        The threshold of the base, which is taken in its interval; None with the global scope.
 
     Returns
     -------
@@ -77,9 +84,13 @@ def rank_candidates(predicted: pd.DataFrame, is_wanted: pd.Series) -> pd.DataFra
     >>> ranked = rank_candidates(predicted, predicted["betti_0"] == 1)
     >>> ranked[["rank", "threshold", "status"]].values.tolist()
     [[1, 0.75, 'not tried'], [2, 0.2, 'not tried']]
+    >>> rank_candidates(predicted, predicted["betti_0"] == 1, base=0.3)["threshold"].tolist()
+    [0.3, 0.75]
     """
-    intervals = merge_intervals(predicted, is_wanted)
-    order = np.lexsort([(intervals["threshold"] - 0.5).abs(), -intervals["width"]])
+    intervals = merge_intervals(predicted, is_wanted, at=base)
+    is_other = intervals["threshold"] != (np.nan if base is None else base)
+    distance = (intervals["threshold"] - 0.5).abs()
+    order = np.lexsort([distance, -intervals["width"], is_other])
     return _with_rank(intervals.iloc[order])
 
 

@@ -84,7 +84,7 @@ def _base_of_features(plateaus: Plateaus, goal: Goal, name: str) -> float:
 
 def _find_base(plateaus: Plateaus, goal: Goal, name: str) -> float | None:
     """Return the threshold of the base, None for the global scope."""
-    if goal.scope == "global":
+    if not goal.is_local:
         return None
     return _resolve_base(plateaus, goal, name)
 

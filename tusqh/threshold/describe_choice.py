@@ -19,7 +19,7 @@ from tusqh.threshold.candidates import rank_candidates
 from tusqh.threshold.goals import matches
 from tusqh.threshold.plateaus import BETTI, Plateaus
 from tusqh.threshold.selection import Interval, Selection
-from tusqh.threshold.within_interval import margin_of
+from tusqh.threshold.within_interval import describe_place, margin_of
 from tusqh.topology.betti_numbers import BettiNumbers
 from tusqh.topology.clamping import FULL
 
@@ -77,6 +77,26 @@ def describe_choice(
         cells=cells,
         resolved=resolved,
     )
+
+
+def describe_rank(row: pd.Series, candidates: pd.DataFrame, what: str, base: float | None) -> str:
+    """Return why a candidate was chosen, in words.
+
+    Parameters
+    ----------
+    row
+        The candidate.
+    candidates
+        All of them.
+    what
+        What they have in common.
+    base
+        The threshold of the base; None with the global scope.
+    """
+    if row["threshold"] == base:
+        return "the base has the wanted topology, so no cell differs from it"
+    ranked = f"number {row['rank']} of {len(candidates)} intervals with {what}, the widest first"
+    return f"{ranked}; {describe_place(row)}"
 
 
 def same_cells_around(cell_sets: CellSets, threshold: float) -> tuple[float, float]:

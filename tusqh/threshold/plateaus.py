@@ -190,7 +190,9 @@ class Plateaus:
         return pd.concat([extent, rows], axis=1)
 
 
-def merge_intervals(predicted: pd.DataFrame, is_wanted: pd.Series | None = None) -> pd.DataFrame:
+def merge_intervals(
+    predicted: pd.DataFrame, is_wanted: pd.Series | None = None, *, at: float | None = None
+) -> pd.DataFrame:
     """Return the runs of plateaus whose meshes have the same Betti numbers.
 
     Parameters
@@ -199,6 +201,8 @@ def merge_intervals(predicted: pd.DataFrame, is_wanted: pd.Series | None = None)
         See `Plateaus.table`.
     is_wanted
         Plateaus to use, by default all that keep a cell; other plateaus end a run.
+    at
+        A threshold that is taken instead, in the run with its plateau.
 
     Returns
     -------
@@ -229,6 +233,10 @@ def merge_intervals(predicted: pd.DataFrame, is_wanted: pd.Series | None = None)
     for _, members in predicted[use].groupby(run[use], sort=True):
         upper, lower = float(members["upper"].iloc[0]), float(members["lower"].iloc[-1])
         index, threshold = take_threshold_of(members)
+        if at is not None:
+            holds_it = ((members["lower"] < at) & (members["upper"] >= at)).to_numpy()
+            if holds_it.any():
+                index, threshold = int(holds_it.argmax()), at
         plateau: dict[str, Any] = {str(k): v for k, v in members.iloc[index].items()}
         same = members[members["cells"] == plateau["cells"]]
         same_cells = float(same["lower"].iloc[-1]), float(same["upper"].iloc[0])

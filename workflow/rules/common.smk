@@ -45,6 +45,8 @@ THEORY = expand(
 THEORY += ["results/tables/layers.csv"]
 # Folders of results/ that do not belong to a model.
 FOLDERS_OF_RESULTS = {"figures", "page", "provenance", "report", "tables", "tests", "workflow"}
+# What the global scope selects: the paper's studies rest on one threshold for the whole model.
+ONE_THRESHOLD = "results/{model}/one_threshold.json"
 PAPER_MODELS = {"chesapeake", "bearings", "dragon"}
 PEERS = ["tusqh", "automesh", "pytetwild", "pyvista", "trimesh"]
 # How steps are started, see ../steps.

@@ -1,7 +1,8 @@
 # Tusqh and other programs on the same dirty surfaces; pip install ".[peers]" installs the optional ones.
 rule peer:
     input:
-        **files("geometry", "fractions", "selection"),
+        **files("geometry", "fractions"),
+        selection=ONE_THRESHOLD,
     output:
         row="results/{model}/peers/{peer}.csv",
         timing="results/{model}/peers/{peer}_timing.csv",

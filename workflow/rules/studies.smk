@@ -13,7 +13,8 @@ rule contacts:
 
 rule suitability:
     input:
-        **files("fractions", "selection"),
+        **files("fractions"),
+        selection=ONE_THRESHOLD,
     output:
         table="results/{model}/suitability.csv",
     script:
@@ -42,7 +43,8 @@ rule figure_suitability:
 
 rule placements:
     input:
-        **files("geometry", "selection"),
+        **files("geometry"),
+        selection=ONE_THRESHOLD,
     output:
         placements="results/{model}/placements.csv",
         spread="results/{model}/orientation.csv",
@@ -61,7 +63,7 @@ rule placements:
 rule figure_stability:
     input:
         stability="results/{model}/stability.csv",
-        **files("selection"),
+        selection=ONE_THRESHOLD,
     output:
         figure=report("results/{model}/figures/stability.png", "../report/stability.rst", category="{model}"),
     script:
@@ -74,7 +76,7 @@ rule placements_of_all_models:
         spreads=expand("results/{model}/orientation.csv", model=MODELS),
         stabilities=expand("results/{model}/stability.csv", model=MODELS),
         recommended=expand("results/{model}/recommended_grid.csv", model=MODELS),
-        **files_of_all_models("selection"),
+        selection=expand(ONE_THRESHOLD, model=MODELS),
     output:
         spread=report("results/tables/orientation.csv", "../report/orientation.rst", category="Tables"),
         pooled=report("results/tables/orientation_pooled.csv", "../report/orientation.rst", category="Tables"),

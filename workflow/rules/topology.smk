@@ -15,6 +15,7 @@ rule select:
     output:
         **files("selection"),
         **shown("topologies", "candidates"),
+        one_threshold=ONE_THRESHOLD,
     params:
         window=settings_of("window"),
         sampling=settings_of("sampling"),

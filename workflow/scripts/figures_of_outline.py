@@ -26,7 +26,9 @@ with recorded(snakemake) as log:
     cell_sets, panels = CellSets(fractions, selection.policy), snakemake.params.panels
     thresholds = draw_thresholds(cell_sets, geometry, panels, name=name, unit=unit)
     style.save(thresholds, Path(snakemake.output.figure_thresholds))
-    antialias = draw_antialias(fractions, mesh, threshold=selection.threshold, unit=unit)
+    antialias = draw_antialias(
+        fractions, mesh, threshold=selection.threshold, base=selection.base, unit=unit
+    )
     style.save(antialias, Path(snakemake.output.figure_antialias))
     snapshots = [read_snapshot(Path(path)) for path in snakemake.input.snapshots]
     points, cells, _ = snapshots[0]

@@ -14,6 +14,7 @@ with recorded(snakemake) as log:
         pd.read_csv(snakemake.input.diagram),
         pd.read_csv(snakemake.input.diagonal),
         threshold=chosen["threshold"],
+        base=chosen["base"],
         name=snakemake.wildcards.model,
     )
     style.save(diagram, Path(snakemake.output.figure_diagram))
@@ -21,6 +22,7 @@ with recorded(snakemake) as log:
         pd.read_csv(snakemake.input.curves),
         pd.read_csv(snakemake.input.topologies),
         threshold=chosen["threshold"],
+        base=chosen["base"],
         interval=(chosen["lower"], chosen["upper"]),
         wanted=chosen["wanted"],
         name=snakemake.wildcards.model,

@@ -26,13 +26,14 @@ with recorded(snakemake) as log:
         sampling=Sampling.from_dict(snakemake.params.sampling),
         window=window and Window.from_dict(window).box,
     )
+    goal, name = Goal.from_dict(snakemake.params.goal), snakemake.wildcards.model
     choice = select(
         fractions,
         Topology.from_tables(fractions.multiples, curves, pairs),
         policy=Policy.from_dict(snakemake.params.policy),
-        goal=Goal.from_dict(snakemake.params.goal),
+        goal=goal,
         reference=reference,
-        name=snakemake.wildcards.model,
+        name=name,
     )
     selection, topologies = choice.selection, choice.topologies
     log.info(
@@ -49,3 +50,6 @@ with recorded(snakemake) as log:
     write_csv(Path(snakemake.output.topologies), topologies)
     write_csv(Path(snakemake.output.candidates), choice.candidates)
     write_text(Path(snakemake.output.selection), canonical_json(selection.to_dict()))
+    # The paper's studies rest on one threshold for the whole model.
+    one = choice.with_one_threshold(goal, name=name)
+    write_text(Path(snakemake.output.one_threshold), canonical_json(one.to_dict()))

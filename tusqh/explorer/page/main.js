@@ -324,7 +324,8 @@ class Explorer {
     const words = this.dimensions.map((k) => `${betti[k]} ${DIMENSION_NAMES[k][betti[k] === 1 ? 0 : 1]}`);
     slider.setAttribute('aria-valuetext', `${show(now.threshold, 8)}: ${words.join(', ')}${whose && ` (${whose})`}, ${now.cells} cells kept`);
     const { command } = this.facts;
-    const line = `${command.before} --threshold ${now.threshold} ${command.after}`;
+    const goal = this.view === 'mesh' && command.goal ? command.goal : `--threshold ${now.threshold}`;
+    const line = `${command.before} ${goal} ${command.after}`;
     const parts = line.split(' ').flatMap((word) => [element('span', '', word), ' ']);
     byId('command').replaceChildren(...parts.slice(0, -1)); // Lines break between words only.
     byId('command-note').textContent = command.note;
