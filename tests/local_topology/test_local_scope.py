@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import pyvista
-from fields import make_fractions, random_fractions
+from fields import make_fractions
 from typer.testing import CliRunner
 
 import tusqh
@@ -20,7 +20,7 @@ from tusqh.settings.arguments import from_options, to_words
 from tusqh.settings.goal import Goal, Target
 from tusqh.settings.model import Settings
 from tusqh.threshold.choose import choose_threshold
-from tusqh.threshold.plateaus import BETTI, Plateaus
+from tusqh.threshold.plateaus import Plateaus
 
 #: Two squares that are 0.3 apart; a grid of 16 cells joins them at 1/2.
 SQUARES = [[0, 0], [4, 0], [4, 4], [0, 4], [4.3, 0], [8.3, 0], [8.3, 4], [4.3, 4]]
@@ -142,22 +142,6 @@ def test_a_base_with_the_wanted_topology_is_taken_as_it_is():
     assert np.array_equal(chosen.cells.kept, cells >= 0.3)
     assert candidates["status"].iloc[0] == "chosen"
     assert candidates["lower"].iloc[0] < 0.3 <= candidates["upper"].iloc[0]
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_every_reachable_target_is_met_from_every_base(seed):
-    rng = np.random.default_rng(seed)
-    fractions = random_fractions(rng, (6, 6) if seed % 2 else (4, 4, 3), n_levels=9)
-    plateaus = Plateaus(CellSets(fractions))
-    wanted = plateaus.table[plateaus.table["cells"] > 0][BETTI].drop_duplicates()
-    for row in wanted.head(5).to_dict("records"):
-        for base in (0.25, 0.5, "match"):
-            chosen, _ = choose_threshold(plateaus, Goal(target=Target(**row), base=base))
-            assert chosen.predicted._asdict() == row
-            assert chosen.resolved.mesh.measurement.by_boundary._asdict() == row
-            at_base = plateaus.cell_sets.at(chosen.base)
-            if at_base.predicted == chosen.predicted and at_base.kept.any():
-                assert np.array_equal(chosen.cells.kept, at_base.kept)
 
 
 def test_persistent_features_with_the_local_scope():

@@ -9,7 +9,10 @@ from tusqh.antialias.resolve import build_mesh
 from tusqh.grid import BackgroundGrid
 from tusqh.local_topology.move import move_to_base
 from tusqh.sampling.fractions import VolumeFractions, round_fractions
+from tusqh.settings.goal import Goal, Target
 from tusqh.settings.policy import Policy
+from tusqh.threshold.choose import choose_threshold
+from tusqh.threshold.plateaus import BETTI, Plateaus
 
 NO_BRIDGES = Policy(bridges="none")
 
@@ -111,3 +114,17 @@ def test_the_flag_complex_is_that_of_the_mesh(dim):
         cells = CellSets(fractions, NO_BRIDGES).at(0.5)
         votes = fractions.values >= 0.5
         assert betti_by_flag_complex(cells.kept, votes) == tuple(cells.predicted)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_every_reachable_target_is_met_from_every_base(seed):
+    plateaus = Plateaus(CellSets(random_field(seed, 2 + seed % 2, 6 - 2 * (seed % 2))))
+    wanted = plateaus.table[plateaus.table["cells"] > 0][BETTI].drop_duplicates()
+    for row in wanted.head(5).to_dict("records"):
+        for base in (0.25, 0.5, "match"):
+            chosen, _ = choose_threshold(plateaus, Goal(target=Target(**row), base=base))
+            assert chosen.predicted._asdict() == row
+            assert chosen.resolved.mesh.measurement.by_boundary._asdict() == row
+            at_base = plateaus.cell_sets.at(chosen.base)
+            if at_base.predicted == chosen.predicted and at_base.kept.any():
+                assert np.array_equal(chosen.cells.kept, at_base.kept)
