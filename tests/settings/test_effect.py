@@ -125,7 +125,7 @@ def test_the_local_scope_needs_a_wish_for_a_topology():
     assert sentence == "`base` applies only with `scope: local`"
     settings = Settings.from_dict({"volume": "match", "base": 0.4})
     (sentence,) = find_without_effect(settings, "surface")
-    assert sentence == "`base` applies only with `target` or `persistence`"
+    assert sentence == "`base` applies only with `target` or `persistence` or `features`"
 
 
 def test_the_panels_of_a_model_apply_to_outlines():

@@ -56,7 +56,8 @@ class Choice:
         """
         if self.selection.base is None:
             return self.selection
-        return choose_threshold(self.plateaus, replace(goal, scope="global"), name=name)[0]
+        one = replace(goal, scope="global", features=None)
+        return choose_threshold(self.plateaus, one, name=name)[0]
 
 
 def find_plateaus(
