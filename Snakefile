@@ -21,7 +21,7 @@ rule all:
         "results/tables/claims.csv",
         [figure for model in MODELS for figure in figures_of(model)],
         *files_of_all_models(*EXPORTS, "simulation", "defects", "explorer").values(),
-        *files_of_assemblies(*EXPORTS, "certificate", "figure_materials").values(),
+        *files_of_assemblies(*EXPORTS, "certificate", "figure_materials", "explorer").values(),
         expand(files("simulation")["simulation"], model=SIMULATED),
         "results/report/index.html",
         paper_targets(),
@@ -32,7 +32,7 @@ rule all:
 rule models:
     input:
         *files_of_all_models("mesh", "certificate", "verdict", "explorer", *EXPORTS).values(),
-        *files_of_assemblies("mesh", "certificate", "verdict", *EXPORTS).values(),
+        *files_of_assemblies("mesh", "certificate", "verdict", "explorer", *EXPORTS).values(),
 
 
 include: "workflow/rules/ingest.smk"

@@ -248,7 +248,9 @@ _USES = (
         ),
     ),
     ResultFile(
-        "explorer", "explorer.html", "the model in a browser, with a slider over the threshold"
+        "explorer",
+        "explorer.html",
+        "the model in a browser, with a slider over the threshold or with materials to hide",
     ),
 )
 

@@ -69,19 +69,28 @@ def view(
 def _from_folder(folder: Path, output: Path | None, unit: str) -> Path:
     """Return the page of a result folder; the workflow's is used if its inputs have not changed."""
     from tusqh.atomic import write_text
-    from tusqh.explorer.files_read import FILES_READ
+    from tusqh.explorer.files_read import FILES_OF_MATERIALS, FILES_READ
+    from tusqh.explorer.materials import (
+        has_materials,
+        make_materials_page,
+        read_materials_subject,
+    )
     from tusqh.explorer.page import make_page
     from tusqh.explorer.subject import read_subject
     from tusqh.files import path_of
 
-    made = folder / "explorer.html"
-    files = [path_of(name, folder) for name in FILES_READ]
+    made, is_several = folder / "explorer.html", has_materials(folder)
+    files = [path_of(name, folder) for name in (FILES_OF_MATERIALS if is_several else FILES_READ)]
     if output is None and made.is_file() and all(file.is_file() for file in files):
         newest = max(file.stat().st_mtime for file in files)
         if newest <= made.stat().st_mtime:
             return made
     page = output or folder / "view.html"
-    write_text(page, make_page(read_subject(folder, unit=unit)))
+    if is_several:
+        text = make_materials_page(read_materials_subject(folder, unit=unit))
+    else:
+        text = make_page(read_subject(folder, unit=unit))
+    write_text(page, text)
     return page
 
 

@@ -158,7 +158,7 @@ def pair_arrays(pairs: pd.DataFrame, grid: BackgroundGrid) -> Arrays:
     return arrays
 
 
-def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid) -> Arrays:
+def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid, material: IntArray | None = None) -> Arrays:
     """Return a mesh as facets between elements, so that the page can cut it open.
 
     Parameters
@@ -167,6 +167,8 @@ def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid) -> Arrays:
         The mesh.
     grid
         The background grid on which it was made.
+    material
+        Material of every element, shape (m,); None: there is one.
 
     Returns
     -------
@@ -177,7 +179,7 @@ def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid) -> Arrays:
         the difference from that of the previous facet; `second`: the other element minus the
         first, 0 if there is none.  For every element its `kind`, the grid `cell` in which it lies
         (as the difference from that of the previous element), and its smallest scaled Jacobian as
-        `quality`, 0..255.
+        `quality`, 0..255; with several materials also its `material`.
     """
     n = mesh.n_cells
     points = _in_cells(mesh.points, grid)
@@ -194,7 +196,10 @@ def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid) -> Arrays:
         corners = facets.corners[row]
         shown = np.argsort(row)
         if n > CUT_ELEMENTS:
-            shown = np.setdiff1d(shown, np.flatnonzero(is_inner))
+            is_hidden = is_inner
+            if material is not None:
+                is_hidden = is_inner & (material[first] == material[second])
+            shown = np.setdiff1d(shown, np.flatnonzero(is_hidden))
         corners, first, second = corners[shown], first[shown], second[shown]
     quality = mesh.jacobians.scaled
     arrays = {
@@ -206,6 +211,8 @@ def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid) -> Arrays:
         "cell": _steps(np.maximum(mesh.grid_cell, 0)),
         "quality": np.rint(255 * np.clip(quality, 0, 1)).astype(np.uint8),
     }
+    if material is not None:
+        arrays["material"] = smallest_unsigned(material)
     # Neighbours on a grid have similar numbers, so differences compress five times better.
     return {name: a.astype(np.int32) if a.dtype == np.int64 else a for name, a in arrays.items()}
 

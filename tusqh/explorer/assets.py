@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib import resources
 
 #: The scripts of the page, in loading order.
 SCRIPTS = (
     *("colours", "payload", "plateaus", "faces", "shaders", "layers", "stage", "axes"),
-    *("curves", "diagram", "tables", "main"),
+    *("curves", "diagram", "tables", "common", "main"),
+)
+
+#: Those of the page about several materials, which has no threshold to move.
+SCRIPTS_OF_MATERIALS = (
+    *("colours", "payload", "faces", "shaders", "layers", "stage", "axes"),
+    *("tables", "common", "materials"),
 )
 
 #: The folder of the page's own files; a change in any of them causes all pages to be rebuilt.
 PAGE = "page"
 TEMPLATE, STYLE = f"{PAGE}/template.html", f"{PAGE}/explorer.css"
+TEMPLATE_OF_MATERIALS = f"{PAGE}/materials.html"
 THREE, THREE_LICENCE = "vendor/three.iife.min.js", "vendor/three.LICENSE"
 
 
@@ -32,9 +40,15 @@ def read_asset(name: str) -> str:
     return resources.files("tusqh.explorer").joinpath(name).read_text(encoding="utf-8")
 
 
-def read_script() -> str:
-    """Return the scripts of the page as one."""
-    return "\n".join(read_asset(f"{PAGE}/{name}.js") for name in SCRIPTS)
+def read_script(names: Sequence[str] = SCRIPTS) -> str:
+    """Return the scripts of a page as one.
+
+    Parameters
+    ----------
+    names
+        The scripts, in loading order.
+    """
+    return "\n".join(read_asset(f"{PAGE}/{name}.js") for name in names)
 
 
 def read_three() -> str:

@@ -8,3 +8,7 @@ FILES_READ = (
     *("geometry", "fractions", "curves", "topologies", "diagram", "selection", "mesh"),
     *TABLES_SHOWN,
 )
+
+#: The same for a model of several materials.
+TABLES_OF_MATERIALS = ("materials", "pairs", "elements", "verdict")
+FILES_OF_MATERIALS = ("mesh", "fractions", *TABLES_OF_MATERIALS)

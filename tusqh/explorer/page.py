@@ -8,6 +8,7 @@ import html
 import json
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -23,7 +24,7 @@ from tusqh.explorer.arrays import (
     plateau_arrays,
 )
 from tusqh.explorer.assets import STYLE, TEMPLATE, read_asset, read_script, read_three
-from tusqh.explorer.encode import pack
+from tusqh.explorer.encode import Packed, pack
 from tusqh.explorer.subject import Subject
 from tusqh.meshes.volume_mesh import KINDS
 from tusqh.quality.verdict import overall
@@ -47,18 +48,37 @@ def make_page(subject: Subject) -> str:
         "mesh": pack(mesh_arrays(subject.mesh, grid)),
         "geometry": pack(geometry_arrays(subject.geometry, grid)),
     }
-    facts = describe(subject) | {
-        "up": subject.up,
-        "manifests": {name: packed.manifest for name, packed in blocks.items()},
-    }
-    three, script = read_three(), read_script()
+    facts = describe(subject) | {"up": subject.up}
+    return assemble(TEMPLATE, subject.name, facts, blocks, script=read_script())
+
+
+def assemble(
+    template: str, name: str, facts: dict[str, Any], blocks: Mapping[str, Packed], *, script: str
+) -> str:
+    """Return a page that holds everything it needs.
+
+    Parameters
+    ----------
+    template
+        Name of the template, see `tusqh.explorer.assets`.
+    name
+        Name of the model.
+    facts
+        Texts, numbers and tables of the page, as plain values.
+    blocks
+        Arrays of the page, by name.
+    script
+        The scripts of the page.
+    """
+    three = read_three()
+    facts = facts | {"manifests": {key: packed.manifest for key, packed in blocks.items()}}
     payloads = "\n".join(
-        f'<script type="text/plain" id="data-{name}">{packed.text}</script>'
-        for name, packed in blocks.items()
+        f'<script type="text/plain" id="data-{key}">{packed.text}</script>'
+        for key, packed in blocks.items()
     )
     return fill(
-        read_asset(TEMPLATE),
-        title=html.escape(f"{subject.name} - tusqh explorer"),
+        read_asset(template),
+        title=html.escape(f"{name} - tusqh explorer"),
         policy=_security_policy(three, script),
         style=read_asset(STYLE),
         facts=to_script_json(facts),
@@ -135,11 +155,21 @@ def describe(subject: Subject) -> dict[str, Any]:
         ],
         "has_removed": bool((subject.topologies["removed"] > 0).any()),
         "has_filled": bool((subject.topologies["filled"] > 0).any()),
-        "tables": {name: _to_rows(table) for name, table in subject.tables.items()},
+        "tables": {
+            name: to_rows(table.drop(columns="material", errors="ignore"))
+            for name, table in subject.tables.items()
+        },
     }
 
 
-def _to_rows(table: pd.DataFrame) -> dict[str, Any]:
+def to_rows(table: pd.DataFrame) -> dict[str, Any]:
+    """Return a table as plain values: its columns and its rows.
+
+    Parameters
+    ----------
+    table
+        The table; numbers that are not finite become texts, missing ones null.
+    """
     rows = [[_plain(value) for value in row] for row in table.itertuples(index=False)]
     return {"columns": [str(column) for column in table.columns], "rows": rows}
 

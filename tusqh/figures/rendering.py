@@ -28,7 +28,7 @@ _COLOURS = {
 VIEW = (1.0, 1.6, 0.9)
 
 #: Directions to the right, to the front and upwards, by the axis that points up.
-_FRAMES = {
+FRAMES = {
     "x": ((0, 1, 0), (0, 0, -1), (1, 0, 0)),
     "y": ((1, 0, 0), (0, 0, 1), (0, 1, 0)),
     "z": ((1, 0, 0), (0, -1, 0), (0, 0, 1)),
@@ -158,10 +158,10 @@ def render(
         plotter.add_mesh(surface, show_scalar_bar=False, **(_LIGHT | look))
     low, high = np.asarray(box[0]), np.asarray(box[1])
     centre, extent = (low + high) / 2, float(np.linalg.norm(high - low))
-    towards = np.array(VIEW) @ np.array(_FRAMES[up]) / np.linalg.norm(VIEW)
-    upwards = _FRAMES[up][2]
+    towards = np.array(VIEW) @ np.array(FRAMES[up]) / np.linalg.norm(VIEW)
+    upwards = FRAMES[up][2]
     plotter.add_light(
-        pyvista.Light(position=np.array(_LAMP) @ np.array(_FRAMES[up]), light_type="scene light")
+        pyvista.Light(position=np.array(_LAMP) @ np.array(FRAMES[up]), light_type="scene light")
     )
     right = np.cross(upwards, towards)
     right /= np.linalg.norm(right)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -43,11 +44,14 @@ def draw_sections(geometry: Soup | Image, mesh: VolumeMesh, *, name: str, unit: 
     grid, surface = grid_of(mesh), polydata_of(geometry)
     figure, (row,) = style.new_figure(1, 3, width=13.5, height=5.2)
     for normal, panel in enumerate(row):
-        place = _middle_of_a_layer(mesh, normal)
+        place = middle_of_a_layer(mesh, normal)
         origin = np.where(np.arange(3) == normal, place, (low + high) / 2)
         cut = {"normal": _AXES[normal], "origin": origin}
         along = [axis for axis in range(3) if axis != normal]
-        _fill_elements(panel, grid.slice(**cut), along, scale)
+        section = grid.slice(**cut)
+        kinds: IntArray = np.asarray(section.cell_data["kind"] if section.n_cells else [], int)
+        colours = [style.MATERIAL if k == GRID_CELL else style.SEPARATING for k in kinds]
+        fill_elements(panel, section, along, colours, scale=scale)
         _draw_lines(panel, surface.slice(**cut), along, scale)
         box = np.stack([low, high])[:, along] / scale
         margin = 0.03 * (box[1] - box[0]).max()
@@ -67,8 +71,16 @@ def draw_sections(geometry: Soup | Image, mesh: VolumeMesh, *, name: str, unit: 
     return figure
 
 
-def _middle_of_a_layer(mesh: VolumeMesh, axis: int) -> float:
-    """Return a coordinate in the middle of the mesh that does not lie on a plane of its grid."""
+def middle_of_a_layer(mesh: VolumeMesh, axis: int) -> float:
+    """Return a coordinate in the middle of the mesh that does not lie on a plane of its grid.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    axis
+        Axis of the coordinate.
+    """
     heights = mesh.points[mesh.cells[:, 0], axis]
     middle = (heights.min() + mesh.points[:, axis].max()) / 2
     ends = mesh.points[mesh.cells][:, :, axis]
@@ -76,15 +88,28 @@ def _middle_of_a_layer(mesh: VolumeMesh, axis: int) -> float:
     return float(ends[nearest].mean())
 
 
-def _fill_elements(panel: Axes, section: Any, along: list[int], scale: float) -> None:
-    """Draw the cut elements, with templates in a colour of their own."""
-    polygons, colours, at = [], [], 0
-    kinds: IntArray = np.asarray(section.cell_data["kind"] if section.n_cells else [], dtype=int)
-    faces = np.asarray(section.faces)
-    points = np.asarray(section.points)[:, along] / scale
-    for kind in kinds:
+def fill_elements(
+    panel: Axes, section: Any, along: Sequence[int], colours: Sequence[Any], *, scale: float
+) -> None:
+    """Draw the elements that a plane cuts.
+
+    Parameters
+    ----------
+    panel
+        Where to draw.
+    section
+        Polygons in a plane, a pyvista surface.
+    along
+        The two axes of the panel.
+    colours
+        Colour of every polygon.
+    scale
+        Number by which lengths are divided.
+    """
+    points, faces = np.asarray(section.points)[:, along] / scale, np.asarray(section.faces)
+    polygons, at = [], 0
+    for _ in colours:
         polygons.append(points[faces[at + 1 : at + 1 + faces[at]]])
-        colours.append(style.MATERIAL if kind == GRID_CELL else style.SEPARATING)
         at += faces[at] + 1
     panel.add_collection(
         PolyCollection(polygons, facecolors=colours, edgecolors=style.ELEMENT_EDGE, linewidths=0.25)

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 
 from tusqh.atomic import replacing
 from tusqh.figures.theme import PALETTE, THEME
+from tusqh.figures.units import length_scale as length_scale
 from tusqh.geometry.outline import Outline
 from tusqh.grid import FloatArray, IntArray
 
@@ -91,31 +92,6 @@ def save(figure: Figure, path: Path) -> None:
     with replacing(path) as temporary, mpl.rc_context({"svg.hashsalt": "tusqh"}):
         figure.savefig(temporary, dpi=_DPI, metadata=_WITHOUT_TIME_AND_VERSION[path.suffix])
     plt.close(figure)
-
-
-def length_scale(extent: float, unit: str) -> tuple[float, str]:
-    """Return the unit for the axes of a drawing.
-
-    Parameters
-    ----------
-    extent
-        Longest side of the drawing, in the model's unit.
-    unit
-        The model's unit of length.
-
-    Returns
-    -------
-    scale : float
-        Divisor of lengths.
-    unit : str
-        Unit of the divided lengths.
-
-    Examples
-    --------
-    >>> length_scale(250_000.0, "m")
-    (1000.0, 'km')
-    """
-    return (1000.0, "km") if unit == "m" and extent >= 10_000 else (1.0, unit)
 
 
 def duration(seconds: float) -> str:

@@ -24,7 +24,7 @@ LINK_TITLES = {
 FILES_READ_OF_MATERIALS = ("certificate", "materials", "pairs", "verdict", "verification")
 LINK_TITLES_OF_MATERIALS = {
     name: LINK_TITLES[name]
-    for name in ("mesh", "export_mfem", "export_gmsh", "export_exodus", "export_abaqus")
+    for name in ("explorer", "mesh", "export_mfem", "export_gmsh", "export_exodus", "export_abaqus")
 } | {
     "certificate": "certificate",
     "materials": "materials",

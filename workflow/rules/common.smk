@@ -191,6 +191,11 @@ def sources_of_materials(wildcards):
     return [f for f in ASSEMBLIES[wildcards.model].files if not f.startswith(PACKAGE)]
 
 
+def first_geometry_of(wildcards):
+    """Return the first geometry file of a model of several materials, whose format has an upright axis."""
+    return ASSEMBLIES[wildcards.model].files[0]
+
+
 def readers_of_materials(wildcards):
     """Return the fingerprints of the modules that read the formats of several materials."""
     readers = {find_format(f).module for f in ASSEMBLIES[wildcards.model].files}

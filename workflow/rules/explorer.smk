@@ -1,3 +1,4 @@
+from tusqh.explorer.files_read import FILES_OF_MATERIALS
 from tusqh.explorer.files_read import FILES_READ as FILES_OF_EXPLORER
 
 
@@ -14,3 +15,19 @@ rule explorer:
     priority: MODELS_FIRST
     script:
         "../scripts/explorer.py"
+
+
+rule explorer_of_materials:
+    input:
+        **files(*FILES_OF_MATERIALS),
+    output:
+        **files("explorer"),
+    wildcard_constraints:
+        model=NAMES_OF_ASSEMBLIES,
+    params:
+        geometry=first_geometry_of,
+        unit=settings_of("unit"),
+        up=settings_of("up"),
+    priority: MODELS_FIRST
+    script:
+        "../scripts/explorer_of_materials.py"

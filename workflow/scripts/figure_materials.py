@@ -3,6 +3,7 @@ from pathlib import Path
 from provenance.record import recorded
 from tusqh.figures import style
 from tusqh.figures.materials import draw_materials
+from tusqh.geometry.upright import upright_axis
 from tusqh.meshes.export import read_regions, read_vtu
 
 with recorded(snakemake) as log:
@@ -11,5 +12,6 @@ with recorded(snakemake) as log:
         read_vtu(path, name=snakemake.wildcards.model),
         read_regions(path),
         unit=snakemake.params.unit,
+        up=upright_axis(snakemake.params.geometry, snakemake.params.up),
     )
     style.save(figure, Path(snakemake.output.figure_materials))

@@ -16,6 +16,10 @@ const COLOURS = {
   birth: '#c2185b',
   death: '#1a1a1a',
 };
+// In the order of KINDS in tusqh/meshes/volume_mesh.py; templates at balls on sides look as
+// separating ones do.
+const KIND_COLOURS = ['material', 'inner', 'separating', 'connecting', 'bridge', 'separating']
+  .map((key) => COLOURS[key]);
 const DIMENSION_COLOURS = ['#0173b2', '#de8f05', '#029e73'];
 const DIMENSION_NAMES = [['component', 'components'], ['hole', 'holes'], ['void', 'voids']];
 

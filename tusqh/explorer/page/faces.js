@@ -13,13 +13,23 @@ const FILLED = 2;
 const CUT = 3;
 const UPWARDS = 5;
 
-class Faces {
-  constructor(field, shape) {
-    this.rank = field.rank;
+/** The cells of a grid, numbered in C order. */
+class Cells {
+  constructor(shape) {
     this.isFlat = shape.length === 2;
     this.shape = this.isFlat ? [...shape, 1] : shape;
     const [, ny, nz] = this.shape;
     this.strides = [ny * nz, nz, 1];
+  }
+
+  /** Return the layer of a cell along an axis. */
+  layer(cell, axis) { return Math.floor(cell / this.strides[axis]) % this.shape[axis]; }
+}
+
+class Faces extends Cells {
+  constructor(field, shape) {
+    super(shape);
+    this.rank = field.rank;
     this.tone = Uint8Array.from(field.levels, (key) => Math.round(255 * key / TOP));
     this.list();
     const counts = [0, 1, 2, 3, 4, 5].map((d) => this.start[d + 1] - this.start[d]);
@@ -121,8 +131,6 @@ class Faces {
       && exceptions.mask[cell + step * this.strides[axis]];
     return isFilled ? -1 : KEPT; // Between kept cells and a filled void.
   }
-
-  layer(cell, axis) { return Math.floor(cell / this.strides[axis]) % this.shape[axis]; }
 
   addFilled(cut, exceptions) {
     for (let c = 0; c < this.rank.length; c++) {

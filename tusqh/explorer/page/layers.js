@@ -62,16 +62,20 @@ class CellLayer {
 class MeshLayer {
   /**
    * @param arrays of tusqh.explorer.arrays.mesh_arrays
-   * @param faces of the kept cells, for the layer of a cell
+   * @param cells gives the layer of a cell, and whether all lie in the plane
+   * @param group of every element, by which it has a colour and can be hidden
+   * @param colours of the groups
    */
-  constructor(arrays, faces) {
-    this.faces = faces;
+  constructor(arrays, cells, group, colours) {
+    this.cells = cells;
+    this.group = group;
+    this.colours = colours.map((colour) => rgb(colour).map((part) => Math.round(255 * part)));
+    this.hidden = colours.map(() => false);
     this.points = arrays.points;
-    this.dim = faces.isFlat ? 2 : 3;
+    this.dim = cells.isFlat ? 2 : 3;
     this.corners = Int32Array.from(arrays.corners);
     this.first = accumulate(arrays.first);
     this.second = arrays.second;
-    this.kind = arrays.kind;
     this.quality = arrays.quality;
     this.cell = accumulate(arrays.cell);
     for (let f = 0, before = 0; f < this.corners.length; f += 4) {
@@ -81,19 +85,21 @@ class MeshLayer {
     const n = this.first.length;
     const geometry = manySquares(n);
     geometry.setAttribute('place', changing(new Float32Array(12 * n), 3));
-    geometry.setAttribute('kind', changing(new Uint8Array(4 * n), 1));
+    geometry.setAttribute('tint', changing(new Uint8Array(12 * n), 3, true));
     geometry.setAttribute('quality', changing(new Uint8Array(4 * n), 1, true));
     this.object = asObject(geometry, elementMaterial());
     this.update(null);
   }
 
-  /** Show the boundary of those elements that lie in the window. */
+  /** Show the boundary of those elements that lie in the window and are not hidden. */
   update(window) {
     const { geometry } = this.object;
-    const [place, kind, quality] = ['place', 'kind', 'quality'].map((a) => geometry.attributes[a].array);
+    const [place, tint, quality] = ['place', 'tint', 'quality'].map((a) => geometry.attributes[a].array);
+    const isWhole = !window && !this.hidden.includes(true);
     const isIn = (element) => {
+      if (this.hidden[this.group[element]]) return false;
       if (!window) return true;
-      const at = this.faces.layer(this.cell[element], window.axis);
+      const at = this.cells.layer(this.cell[element], window.axis);
       return at >= window.from && at < window.to;
     };
     let n = 0;
@@ -102,23 +108,25 @@ class MeshLayer {
       let inner = this.first[f];
       let isTurned = false; // Facets are walked so that they face out of their first element.
       if (hasSecond) {
-        if (!window) continue;
+        if (isWhole) continue;
         const other = inner + this.second[f];
         if (isIn(inner) === isIn(other)) continue;
         isTurned = !isIn(inner);
         if (isTurned) inner = other;
       } else if (!isIn(inner)) continue;
+      const colour = this.colours[this.group[inner]];
       for (let c = 0; c < 4; c++) {
         const p = this.corners[4 * f + (isTurned ? 3 - c : c)] * this.dim;
         const at = 12 * n + 3 * c;
         place[at] = this.points[p];
         place[at + 1] = this.points[p + 1];
         place[at + 2] = this.dim === 3 ? this.points[p + 2] : 1;
+        tint.set(colour, at);
       }
-      kind.fill(this.kind[inner], 4 * n, 4 * n + 4);
       quality.fill(this.quality[inner], 4 * n, 4 * n + 4);
       n += 1;
     }
+    this.count = n;
     drawFirst(geometry, n);
   }
 

@@ -1,14 +1,6 @@
 'use strict';
 // Puts the page together: one state (plateau, view, colour, cut) and what follows from it.
 
-const byId = (id) => document.getElementById(id);
-
-/** Return by what to divide lengths, and the unit to write: km for large maps in m. */
-function lengthScale({ grid, unit }) {
-  const isLarge = unit === 'm' && Math.max(...grid.shape) * grid.cell_size >= 10000;
-  return isLarge ? { scale: 1000, unit: 'km' } : { scale: 1, unit };
-}
-
 class Explorer {
   static async open() {
     const facts = JSON.parse(byId('facts-json').textContent);
@@ -32,7 +24,7 @@ class Explorer {
     this.makeStage(blocks);
     this.makePanels(blocks);
     this.makeControls();
-    this.writeFacts();
+    writeFacts(this.facts);
     this.setView('cells');
     this.setPlateau(this.plateaus.chosen);
     document.body.dataset.ready = 'true';
@@ -49,7 +41,7 @@ class Explorer {
     }
     this.stage.up = this.facts.up;
     this.layers.cells = new CellLayer(this.faces);
-    this.layers.mesh = new MeshLayer(blocks.mesh, this.faces);
+    this.layers.mesh = new MeshLayer(blocks.mesh, this.faces, blocks.mesh.kind, KIND_COLOURS);
     this.geometry = geometryObject(blocks.geometry, this.isFlat);
     this.markers = new Markers(this.facts.grid.shape, this.isFlat);
     const { scene } = this.stage;
@@ -232,12 +224,7 @@ class Explorer {
 
   /** Cut the side that faces the oblique view away: high x, low y, high z. */
   setCut() {
-    const axis = byId('cut-axis').value;
-    if (axis === '') this.window = null;
-    else {
-      const [n, at] = [this.faces.shape[axis], Number(byId('cut-at').value)];
-      this.window = axis === '1' ? { axis: 1, from: n - at, to: n } : { axis: Number(axis), from: 0, to: at };
-    }
+    this.window = cutWindow(byId('cut-axis').value, Number(byId('cut-at').value), this.faces.shape);
     this.drawCells();
     if (this.stage) this.layers.mesh.update(this.window);
     if (this.plateau !== undefined) this.writeLegend(byId('colour').value);
@@ -354,52 +341,22 @@ class Explorer {
   }
 
   writeLegend(mode) {
-    const entry = (colour, text) => {
-      const item = element('li');
-      const swatch = element('i');
-      swatch.style.background = colour;
-      item.append(swatch, text);
-      return item;
-    };
-    const scale = (low, high, title) => {
-      const item = element('li');
-      const bar = element('i', 'ramp');
-      bar.style.background = `linear-gradient(to right, ${RAMP.join(', ')})`;
-      item.append(low, bar, high);
-      return [element('li', '', title), item];
-    };
-    const outline = this.isFlat && this.hasGeometry && byId('outline').checked ? [entry(COLOURS.outline, 'geometry, unrepaired')] : [];
+    const outline = this.isFlat && this.hasGeometry && byId('outline').checked ? [legendEntry(COLOURS.outline, 'geometry, unrepaired')] : [];
     let items = [];
     if (this.view === 'cells') {
-      items = mode === 'fraction' ? scale('0', '1', 'volume fraction [-]') : [entry(COLOURS.material, 'kept cells')];
-      if (this.window && mode !== 'fraction') items.push(entry(COLOURS.section, 'cut'));
-      if (this.facts.has_removed) items.push(entry(COLOURS.removed, 'removed components'));
-      if (this.facts.has_filled) items.push(entry(COLOURS.filled, this.isFlat ? 'filled holes' : 'filled voids'));
+      items = mode === 'fraction' ? legendScale('0', '1', 'volume fraction [-]') : [legendEntry(COLOURS.material, 'kept cells')];
+      if (this.window && mode !== 'fraction') items.push(legendEntry(COLOURS.section, 'cut'));
+      if (this.facts.has_removed) items.push(legendEntry(COLOURS.removed, 'removed components'));
+      if (this.facts.has_filled) items.push(legendEntry(COLOURS.filled, this.isFlat ? 'filled holes' : 'filled voids'));
       items.push(...outline);
     } else if (this.view === 'mesh') {
-      items = mode === 'quality' ? scale('0', '1', 'least scaled Jacobian [-]') : this.facts.kinds.map(
-        ({ name, index, count }) => entry(
-          ['material', 'inner', 'separating', 'connecting', 'bridge'].map((key) => COLOURS[key])[index],
-          `${name} (${show(count)})`,
-        ),
+      items = mode === 'quality' ? legendScale('0', '1', 'least scaled Jacobian [-]') : this.facts.kinds.map(
+        ({ name, index, count }) => legendEntry(KIND_COLOURS[index], `${name} (${show(count)})`),
       );
       items.push(...outline);
-    } else if (this.isFlat) items = [entry(COLOURS.outline, 'geometry, unrepaired')];
-    else items = [entry(COLOURS.front, 'outer side'), entry(COLOURS.back, 'inner side')];
+    } else if (this.isFlat) items = [legendEntry(COLOURS.outline, 'geometry, unrepaired')];
+    else items = [legendEntry(COLOURS.front, 'outer side'), legendEntry(COLOURS.back, 'inner side')];
     byId('legend').replaceChildren(...items);
-  }
-
-  writeFacts() {
-    const { facts } = this;
-    byId('model-name').textContent = facts.name;
-    byId('facts').replaceChildren(...facts.head.map(([title, value]) => {
-      const group = element('div');
-      group.append(element('dt', '', title), element('dd', '', show(value)));
-      return group;
-    }));
-    byId('verdict').textContent = facts.verdict;
-    byId('verdict').classList.toggle('bad', !facts.verdict.startsWith('suitable'));
-    byId('verdict').classList.toggle('warned', facts.verdict.startsWith('suitable with warnings'));
   }
 
   async copyCommand() {

@@ -81,24 +81,18 @@ function cellMaterial(shape) {
   });
 }
 
-/** Return the material of elements: a place, a kind and a quality for each corner. */
+/** Return the material of elements: a place, a colour and a quality for each corner. */
 function elementMaterial() {
-  // In the order of KINDS in tusqh/meshes/volume_mesh.py; templates at balls on sides
-  // look as separating ones do.
-  const { material, inner, separating, connecting, bridge } = COLOURS;
-  const kinds = [material, inner, separating, connecting, bridge, separating];
   return new THREE.ShaderMaterial({
     glslVersion: THREE.GLSL3,
     uniforms: {
       ...lightUniforms(),
       byQuality: { value: 0 },
-      kinds: { value: kinds.map(vector) },
     },
     vertexShader: `
       in vec3 place;
-      in float kind;
+      in vec3 tint;
       in float quality;
-      uniform vec3 kinds[6];
       uniform float byQuality;
       out vec2 at;
       out vec3 place3;
@@ -109,7 +103,7 @@ function elementMaterial() {
         uint turn = uint(gl_VertexID) & 3u;
         at = vec2(turn == 1u || turn == 2u, turn >= 2u);
         place3 = place;
-        colour = kinds[int(kind + 0.5)];
+        colour = tint;
         value = byQuality > 0.5 ? quality : -1.0;
         gl_Position = projectionMatrix * viewMatrix * vec4(place, 1.0);
       }`,

@@ -1,0 +1,160 @@
+"""The page of several materials shows the facets of the mesh, and each material can be hidden."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from test_browser import ATTACK, Opened, browser  # noqa: F401
+
+import tusqh
+from tusqh.errors import ConfigError
+from tusqh.explorer.arrays import CUT_ELEMENTS
+from tusqh.explorer.materials import make_materials_page, read_materials_subject
+from tusqh.figures.material_colours import MOST, VOID_COLOUR, material_colours, to_oklab, to_rgb
+
+NAMES = {1: ATTACK, 2: "7", 3: "skin"}
+
+
+@pytest.fixture(scope="module", params=[(7, 6), (5, 4, 4)], ids=["plane", "space"])
+def folder(request, tmp_path_factory):
+    """Results of noise of three labels, which has contacts everywhere."""
+    image = np.random.default_rng(1).integers(0, 4, request.param)
+    folder = tmp_path_factory.mktemp("results") / "noise"
+    tusqh.mesh(image, materials=NAMES, name="noise").save(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def opened(browser, folder, tmp_path_factory):  # noqa: F811
+    path = tmp_path_factory.mktemp("page") / "materials.html"
+    path.write_text(make_materials_page(read_materials_subject(folder, unit="mm")), "utf-8")
+    opened = Opened(browser, path)
+    yield opened
+    assert opened.messages == []
+    assert opened.requests == [path.as_uri()]
+    opened.page.close()
+
+
+def expected_facets(subject, shown):
+    """Return the boundary of the shown materials, facets with colours, by brute force."""
+    mesh, material = subject.mesh, subject.regions.material
+    colours = material_colours(len(subject.regions.names), has_void=True)
+    points = np.round((mesh.points - subject.grid.origin) / subject.grid.cell_size, 3)
+    if mesh.dim == 2:
+        return {
+            (frozenset(map(tuple, points[cell])), colours[k])
+            for cell, k in zip(mesh.cells.tolist(), material.tolist(), strict=True)
+            if k in shown
+        }
+    sides = {}
+    for corners, cell in zip(mesh.facets.corners.tolist(), mesh.facets.cell.tolist(), strict=True):
+        if material[cell] in shown:
+            sides.setdefault(frozenset(corners), []).append(material[cell])
+    return {
+        (frozenset(map(tuple, points[list(corners)])), colours[owners[0]])
+        for corners, owners in sides.items()
+        if len(owners) == 1
+    }
+
+
+def drawn_facets(opened, dim):
+    places, tints = opened.evaluate(
+        """() => { const { count, object } = explorer.layer;
+        const { place, tint } = object.geometry.attributes;
+        return [place, tint].map(({ array }) => Array.from(array.slice(0, 12 * count))); }"""
+    )
+    places = np.round(np.array(places).reshape(-1, 4, 3)[..., :dim], 3)
+    tints = np.array(tints, dtype=int).reshape(-1, 4, 3)[:, 0]
+    found = [
+        (frozenset(map(tuple, place.tolist())), "#{:02x}{:02x}{:02x}".format(*tint))
+        for place, tint in zip(places, tints, strict=True)
+    ]
+    assert len(set(found)) == len(found)
+    return set(found)
+
+
+def test_what_is_shown_is_the_boundary_of_the_materials_that_are_ticked(opened, folder):
+    subject = read_materials_subject(folder)
+    boxes = opened.page.locator("#legend input")
+    assert boxes.count() == 3
+    for shown in ([0, 1, 2], [1, 2], [2], [0]):
+        for k in range(3):
+            boxes.nth(k).set_checked(k in shown)
+        assert drawn_facets(opened, subject.grid.dim) == expected_facets(subject, shown)
+    opened.page.click("#hide-all")
+    assert drawn_facets(opened, subject.grid.dim) == set()
+    opened.page.click("#show-all")
+    assert drawn_facets(opened, subject.grid.dim) == expected_facets(subject, [0, 1, 2])
+
+
+def test_names_numbers_and_verdicts_are_those_of_the_tables(opened, folder):
+    table = pd.read_csv(folder / "materials.csv", dtype=str)
+    alone = table[table["material"] != "all"]
+    names = (alone["material"] + " (" + alone["elements"] + ")").tolist()
+    assert opened.page.locator("#legend li").all_inner_texts() == names
+    rows = opened.page.locator("#panel-materials tbody tr")
+    assert rows.count() == 4
+    for row, (_, expected) in zip(rows.all(), table.iterrows(), strict=True):
+        text = row.inner_text()
+        betti = ", ".join(expected[f"betti_{k}_measured"] for k in range(3))
+        assert expected["material"] in text
+        assert betti in text
+        assert "suitable" in text
+    assert opened.evaluate("document.title") == "noise - tusqh explorer"  # The attack failed.
+    assert opened.page.locator("#slider").count() == 0
+    opened.page.click("#tab-quality")
+    assert "Checks of the mesh and of each material" in opened.text("#panel-quality")
+
+
+def test_colours_change_with_the_mode_and_a_cut_leaves_whole_layers(opened, folder):
+    opened.page.select_option("#colour", "quality")
+    assert "scaled Jacobian" in opened.text("#scale")
+    opened.page.select_option("#colour", "plain")
+    assert opened.text("#scale") == ""
+    subject = read_materials_subject(folder)
+    if subject.grid.dim == 2:
+        assert not opened.page.is_visible("#cut-axis")
+        return
+    whole = len(drawn_facets(opened, 3))
+    opened.page.select_option("#cut-axis", "0")
+    opened.evaluate("document.getElementById('cut-at').value = 2; explorer.setCut()")
+    layer = subject.mesh.grid_cell // (4 * 4)
+    part = subject.mesh.take(np.flatnonzero(layer < 2), name="part")
+    assert len(drawn_facets(opened, 3)) == len(part.facets.boundary) < whole
+    opened.page.select_option("#cut-axis", "")
+    assert len(drawn_facets(opened, 3)) == whole
+
+
+def test_large_meshes_keep_the_facets_between_materials(folder, monkeypatch):
+    subject = read_materials_subject(folder)
+    if subject.grid.dim == 2:
+        return
+    from tusqh.explorer.arrays import mesh_arrays
+
+    assert subject.mesh.n_cells < CUT_ELEMENTS
+    monkeypatch.setattr("tusqh.explorer.arrays.CUT_ELEMENTS", 1)
+    material = subject.regions.material
+    arrays = mesh_arrays(subject.mesh, subject.grid, material)
+    first = np.cumsum(arrays["first"])
+    second = first + arrays["second"]
+    is_inner = first != second
+    assert (material[first[is_inner]] != material[second[is_inner]]).all()
+    assert (~is_inner).sum() == len(subject.mesh.facets.boundary)
+    interfaces = {frozenset(pair) for pair in zip(material[first], material[second], strict=True)}
+    assert len(interfaces) == 6  # Three materials by themselves, at the boundary, and three pairs.
+
+
+def test_missing_files_are_named(folder, tmp_path):
+    (tmp_path / "materials.csv").write_text("material\n")
+    with pytest.raises(ConfigError, match=r"mesh.vtu.* missing"):
+        read_materials_subject(tmp_path)
+
+
+def test_colours_can_be_told_apart():
+    """Compare all pairs in OKLab, in which the just noticeable difference is about 0.02."""
+    for n in (2, 8, 21, MOST):
+        lab = to_oklab(to_rgb(material_colours(n, has_void=True)))
+        distance = np.linalg.norm(lab[:, None] - lab, axis=2) + np.eye(n)
+        assert distance.min() > (0.1 if n <= 8 else 0.06)
+        assert lab[:, 0].min() > 0.5
+    assert material_colours(MOST + 2)[-2:] == material_colours(2)
+    assert material_colours(1, has_void=True) == [VOID_COLOUR]

@@ -1,0 +1,202 @@
+"""Make the explorer page of a mesh of several materials.
+
+It shows the mesh, coloured by material; each material can be hidden.  Each has a threshold of its
+own against the others, so there is no single threshold to move.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tusqh.contacts.fractions_file import load_materials
+from tusqh.errors import ConfigError
+from tusqh.explorer.arrays import CUT_ELEMENTS, mesh_arrays
+from tusqh.explorer.assets import SCRIPTS_OF_MATERIALS, TEMPLATE_OF_MATERIALS, read_script
+from tusqh.explorer.encode import pack
+from tusqh.explorer.files_read import FILES_OF_MATERIALS, TABLES_OF_MATERIALS
+from tusqh.explorer.page import assemble, to_rows
+from tusqh.figures.material_colours import material_colours
+from tusqh.figures.units import length_scale
+from tusqh.files import path_of
+from tusqh.geometry.upright import Axis
+from tusqh.grid import BackgroundGrid
+from tusqh.meshes.regions import Regions
+from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.pipeline.materials.certificate import read_materials
+from tusqh.quality.verdict import overall
+
+
+@dataclass(frozen=True)
+class MaterialsSubject:
+    """A model of several materials with its tables.
+
+    Parameters
+    ----------
+    name
+        Name of the model; any text.
+    unit
+        Unit of length of its geometry.
+    up
+        Axis that points up in the first view of a solid.
+    grid
+        The background grid.
+    mesh, regions
+        The mesh, and the material of every element.
+    tables
+        The tables named in `TABLES_OF_MATERIALS`, by name.
+    """
+
+    name: str
+    unit: str
+    up: Axis
+    grid: BackgroundGrid
+    mesh: VolumeMesh
+    regions: Regions
+    tables: dict[str, pd.DataFrame]
+
+
+def has_materials(folder: Path) -> bool:
+    """Return whether a folder has the results of a model of several materials.
+
+    Parameters
+    ----------
+    folder
+        The folder.
+    """
+    return path_of("materials", folder).is_file()
+
+
+def read_materials_subject(folder: Path, *, unit: str = "m", up: Axis = "z") -> MaterialsSubject:
+    """Return the subject in a result folder, which has the model's name.
+
+    Parameters
+    ----------
+    folder
+        The folder.
+    unit
+        Unit of length of the geometry.
+    up
+        Axis that points up.
+
+    Raises
+    ------
+    ConfigError
+        Files are missing from the folder.
+    """
+    paths = {name: path_of(name, folder) for name in FILES_OF_MATERIALS}
+    missing = [path.name for path in paths.values() if not path.is_file()]
+    if missing:
+        raise ConfigError(
+            f"{', '.join(missing)} missing",
+            where=str(folder),
+            expected="the results of a model of several materials, with "
+            + ", ".join(p.name for p in paths.values()),
+            remedy="make it with the workflow, or with tusqh mesh --materials --results FOLDER",
+        )
+    name = folder.resolve().name
+    mesh, regions = read_materials(paths["mesh"])
+    names = dict.fromkeys(("material", "first", "second"), str)
+    return MaterialsSubject(
+        name=name,
+        unit=unit,
+        up=up,
+        grid=load_materials(paths["fractions"]).grid,
+        mesh=replace(mesh, name=name),
+        regions=regions,
+        tables={table: pd.read_csv(paths[table], dtype=names) for table in TABLES_OF_MATERIALS},
+    )
+
+
+def make_materials_page(subject: MaterialsSubject) -> str:
+    """Return the page of a model of several materials; the same subject gives the same text.
+
+    Parameters
+    ----------
+    subject
+        A model with its results.
+    """
+    regions = subject.regions
+    arrays = mesh_arrays(subject.mesh, subject.grid, regions.material)
+    script = read_script(SCRIPTS_OF_MATERIALS)
+    return assemble(
+        TEMPLATE_OF_MATERIALS,
+        subject.name,
+        describe_materials(subject),
+        {"mesh": pack(arrays)},
+        script=script,
+    )
+
+
+def describe_materials(subject: MaterialsSubject) -> dict[str, Any]:
+    """Return the texts and tables of the page, as plain values for JSON.
+
+    Parameters
+    ----------
+    subject
+        A model with its results.
+    """
+    grid, mesh, regions, tables = subject.grid, subject.mesh, subject.regions, subject.tables
+    counts = np.bincount(regions.material, minlength=len(regions.names)).tolist()
+    colours = material_colours(len(regions.names), has_void=True)
+    whole = tables["materials"]["material"] == "all"
+    kind = "hexes" if grid.dim == 3 else "quads"
+    (betti,) = _betti(tables["materials"][whole], "measured")
+    return {
+        "name": subject.name,
+        "unit": subject.unit,
+        "up": subject.up,
+        "grid": grid.to_dict(),
+        "verdict": overall(tables["verdict"]),
+        "can_cut": mesh.n_cells <= CUT_ELEMENTS,
+        "materials": [
+            {"name": name, "colour": colour, "count": count}
+            for name, colour, count in zip(regions.names, colours, counts, strict=True)
+        ],
+        "head": [
+            ["grid", f"{grid.label.replace('x', ' × ')} cells"],
+            ["cell size", f"{grid.cell_size:.6g} {subject.unit}"],
+            ["materials", str(len(regions.present))],
+            ["mesh", f"{mesh.n_cells:,} {kind}"],
+            ["Betti numbers of all together", betti],
+        ],
+        "tables": {
+            "materials": to_rows(_shown(subject)),
+            "pairs": to_rows(tables["pairs"]),
+            "elements": to_rows(tables["elements"]),
+            "verdict": to_rows(tables["verdict"].drop(columns=["id", "material"])),
+        },
+    }
+
+
+def _shown(subject: MaterialsSubject) -> pd.DataFrame:
+    """Return the table of materials as the page shows it."""
+    table, verdict = subject.tables["materials"], subject.tables["verdict"]
+    grid = subject.grid
+    scale, unit = length_scale(grid.cell_size * max(grid.shape), subject.unit)
+    size = f"volume [{unit}³]" if grid.dim == 3 else f"area [{unit}²]"
+    return pd.DataFrame(
+        {
+            "material": table["material"],
+            "predicted": _betti(table, "predicted"),
+            "measured": _betti(table, "measured"),
+            "elements": table["elements"],
+            size: table["volume"] / scale**grid.dim,
+            "of geometry": table["volume"] / table["volume_of_geometry"],
+            "threshold": table["threshold"],
+            "verdict": [
+                overall(verdict if name == "all" else verdict[verdict["material"] == name])
+                for name in table["material"]
+            ],
+        }
+    )
+
+
+def _betti(table: pd.DataFrame, how: str) -> list[str]:
+    """Return Betti numbers of materials as texts."""
+    rows = table[[f"betti_{k}_{how}" for k in range(3)]].to_numpy().tolist()
+    return [", ".join(str(int(n)) for n in row) for row in rows]
