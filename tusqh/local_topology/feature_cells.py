@@ -88,12 +88,13 @@ def change_features(features: Features, wishes: Sequence[Wish]) -> Done:
                 left.append(wish)
                 reasons.append(str(reason))
         if len(left) == len(waiting):
-            if left[0].do == OPEN and left[0].row in done.gone:
+            is_there = bool(features.classes["is_there"][left[0].row])
+            if left[0].do == OPEN and is_there:
                 raise _contradiction(features, left[0], wishes)
             raise _cannot(features, left[0], reasons[0], done)
         waiting = left
     for wish in wishes:
-        if wish.do == OPEN and wish.row in done.gone:
+        if wish.do == OPEN and wish.row not in done.there:
             raise _contradiction(features, wish, wishes)
     return done
 

@@ -8,7 +8,7 @@ are filled by adding all cells in them; all others are changed along a path or m
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -17,9 +17,10 @@ from tusqh.antialias.cells import CellSets, label_with_bridges
 from tusqh.antialias.components import label_holes
 from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.local_topology.classes import list_classes
-from tusqh.local_topology.one_change import Event, change_class
+from tusqh.local_topology.one_change import Accepts, Event, change_class
 from tusqh.local_topology.wishes import CUT, FILL, OPEN, Wish
 from tusqh.local_topology.workspace import Workspace
+from tusqh.topology.betti_numbers import BettiNumbers
 
 
 class _Row(NamedTuple):
@@ -40,15 +41,23 @@ class Done:
     ----------
     kept
         Kept cells of the flat grid.
+    betti
+        Their Betti numbers.
+    there
+        Rows of the classes that are there.
     steps
         Each wish that changed cells, with the cells it changed, on the flat grid.
-    gone
-        Rows of classes that ended.
     """
 
     kept: BoolArray
+    betti: BettiNumbers
+    there: frozenset[int]
     steps: tuple[tuple[Wish, IntArray], ...] = ()
-    gone: frozenset[int] = field(default_factory=frozenset)
+
+
+def _any_cells(kept: BoolArray) -> bool:
+    """Return True, because the place says which class is meant."""
+    return True
 
 
 class Impossible(Exception):  # noqa: N818
@@ -80,7 +89,8 @@ class Features:
 
     def start(self) -> Done:
         """Return the cells of the base."""
-        return Done(self.space.flatten(self.space.start.kept))
+        start, rows = self.space.start, np.flatnonzero(self.classes["is_there"]).tolist()
+        return Done(self.space.flatten(start.kept), start.predicted, frozenset(rows))
 
     def describe(self, row: int) -> str:
         """Return a class in words.
@@ -109,7 +119,7 @@ class Features:
             Largest number of rows.
         """
         points = self.points
-        rows = np.array([other for other in self._there(done) if other != row], dtype=np.int64)
+        rows = np.array(sorted(done.there - {row}), dtype=np.int64)
         distance = ((points[rows] - points[row]) ** 2).sum(axis=1)
         return [int(k) for k in rows[np.argsort(distance, kind="stable")[:n]]]
 
@@ -135,10 +145,10 @@ class Features:
         """
         about = self._rows[wish.row]
         if wish.do == OPEN:
-            if wish.row in done.gone:
+            if about.is_there and wish.row not in done.there:
                 raise Impossible("an earlier change ended it")
-            return done if about.is_there else self._open(done, wish)
-        if wish.row in done.gone or not about.is_there:
+            return done if wish.row in done.there else self._open(done, wish)
+        if wish.row not in done.there:
             return done
         if wish.do == CUT and about.dimension == 0:
             return self._remove_component(done, wish)
@@ -152,10 +162,7 @@ class Features:
         adds = about.birth < self.base
         place = about.birth_place if adds else about.death_place
         event = Event(about.dimension, begins=True, adds=adds)
-        kept = change_class(self.space, done.kept, place, event, is_fixed=self._fixed(done))
-        if kept is None:
-            raise Impossible(self._nothing_near(wish))
-        return self._after(done, wish, kept)
+        return self._around(done, wish, place, event, done.there | {wish.row})
 
     def _end(self, done: Done, wish: Wish) -> Done:
         """Return the cells after a class is ended along a path or membrane."""
@@ -164,7 +171,7 @@ class Features:
         place = about.death_place if adds else about.birth_place
         if place < 0:
             raise Impossible("it is the oldest component, to which others are joined")
-        accepts = None
+        accepts: Accepts = _any_cells
         if about.dimension == 0:
             before = self._components(done.kept)
             cell = int(self.space.cells_at(about.birth_place)[0])
@@ -176,12 +183,31 @@ class Features:
                 return bool((self.space.fraction[others] >= about.birth).any())
 
         event = Event(about.dimension, begins=False, adds=adds)
+        return self._around(done, wish, place, event, done.there - {wish.row}, accepts)
+
+    def _around(
+        self,
+        done: Done,
+        wish: Wish,
+        place: int,
+        event: Event,
+        there: frozenset[int],
+        accepts: Accepts = _any_cells,
+    ) -> Done:
+        """Return the cells after one event at a place."""
         kept = change_class(
-            self.space, done.kept, place, event, is_fixed=self._fixed(done), accepts=accepts
+            self.space,
+            done.kept,
+            place,
+            event,
+            before=done.betti,
+            is_fixed=self._fixed(done),
+            accepts=accepts,
         )
         if kept is None:
-            raise Impossible(self._nothing_near(wish))
-        return self._after(done, wish, kept, gone={wish.row})
+            how = "adding" if event.adds else "leaving out"
+            raise Impossible(f"{how} cells around it changes other features too")
+        return self._after(done, wish, kept, there)
 
     def _remove_component(self, done: Done, wish: Wish) -> Done:
         """Return the cells without a component and all that is in it."""
@@ -194,8 +220,8 @@ class Features:
         kept = done.kept & ~is_removed
         if not kept.any():
             raise Impossible("it is the only component, and no cell would be left")
-        gone = {row for row in self._there(done) if self._lies_in(row, "birth_place", is_removed)}
-        return self._after(done, wish, kept, gone=gone | {wish.row})
+        gone = {row for row in done.there if self._lies_in(row, "birth_place", is_removed)}
+        return self._after(done, wish, kept, done.there - gone - {wish.row})
 
     def _fill_region(self, done: Done, wish: Wish) -> Done:
         """Return the cells with all empty cells of a hole in the plane, or of a void, added."""
@@ -207,13 +233,14 @@ class Features:
         is_filled = regions == regions[cell]
         self._require_free(is_filled)
         kept = done.kept | is_filled
-        gone = {row for row in self._there(done) if self._lies_in(row, "death_place", is_filled)}
-        return self._after(done, wish, kept, gone=gone | self._joined(done, kept) | {wish.row})
+        gone = {row for row in done.there if self._lies_in(row, "death_place", is_filled)}
+        there = done.there - gone - self._joined(done, kept) - {wish.row}
+        return self._after(done, wish, kept, there)
 
     def _joined(self, done: Done, kept: BoolArray) -> set[int]:
         """Return the rows of components that are now joined to an older one."""
         components, oldest, found = self._components(kept), set(), set()
-        rows = [row for row in self._there(done) if self._rows[row].dimension == 0]
+        rows = [row for row in done.there if self._rows[row].dimension == 0]
         for row in sorted(rows, key=lambda r: (-self._rows[r].birth, r)):
             label = components[self.space.cells_at(self._rows[row].birth_place)[0]]
             if label in oldest:
@@ -221,10 +248,19 @@ class Features:
             oldest.add(label)
         return found
 
-    def _after(self, done: Done, wish: Wish, kept: BoolArray, gone: set[int] | None = None) -> Done:
-        """Return the cells after a wish, of which no later one changes those that it changed."""
-        changed = np.flatnonzero(kept != done.kept)
-        return Done(kept, (*done.steps, (wish, changed)), done.gone | (gone or set()))
+    def _after(self, done: Done, wish: Wish, kept: BoolArray, there: frozenset[int]) -> Done:
+        """Return the cells after a wish, if their Betti numbers are as the classes that are there.
+
+        No later wish changes the cells that this one changed.
+        """
+        betti, changed = self.space.cell_set(kept).predicted, np.flatnonzero(kept != done.kept)
+        expected = np.array(done.betti)
+        for rows, sign in ((there - done.there, 1), (done.there - there, -1)):
+            for row in rows:
+                expected[self._rows[row].dimension] += sign
+        if tuple(expected) != tuple(betti):
+            raise Impossible("it changes other features too")
+        return Done(kept, betti, there, (*done.steps, (wish, changed)))
 
     def _fixed(self, done: Done) -> BoolArray:
         """Return the cells that must stay, among them those that earlier wishes changed."""
@@ -233,15 +269,14 @@ class Features:
             is_fixed[changed] = True
         return is_fixed
 
-    def _there(self, done: Done) -> list[int]:
-        """Return the rows of the classes of the base that have not ended."""
-        rows = np.flatnonzero(self.classes["is_there"]).tolist()
-        return [row for row in rows if row not in done.gone]
-
     def _lies_in(self, row: int, event: str, chosen: BoolArray) -> bool:
         """Return whether a class begins or ends among chosen cells."""
-        place = getattr(self._rows[row], event)
-        return place >= 0 and bool(chosen[self.space.cells_at(place)].any())
+        about = self._rows[row]
+        # A class that a wish made lies where it begins and ends.
+        places = (
+            {getattr(about, event)} if about.is_there else {about.birth_place, about.death_place}
+        )
+        return any(chosen[self.space.cells_at(place)].any() for place in places - {-1})
 
     def _components(self, kept: BoolArray) -> IntArray:
         """Return the component of every kept cell of the flat grid, from 1; 0 elsewhere."""
@@ -252,10 +287,3 @@ class Features:
         inside = chosen & self.space.is_fixed
         if inside.any():
             raise Impossible("a bridge (`bridges`) ends at its cells")
-
-    def _nothing_near(self, wish: Wish) -> str:
-        """Return the reason why one class cannot be changed alone."""
-        how = "adding" if wish.do == FILL else "leaving out"
-        if wish.do == OPEN:
-            how = "adding" if self._rows[wish.row].birth < self.base else "leaving out"
-        return f"{how} cells around it changes other features too; cut or fill those first"

@@ -90,8 +90,9 @@ def change_class(
     place: int,
     event: Event,
     *,
+    before: BettiNumbers,
     is_fixed: BoolArray,
-    accepts: Accepts | None = None,
+    accepts: Accepts,
 ) -> BoolArray | None:
     """Return cells in which one event has happened at a place, None if it cannot.
 
@@ -105,6 +106,8 @@ def change_class(
         Flat index into the doubled grid of the place where the class begins or ends.
     event
         What shall happen.
+    before
+        Betti numbers of the kept cells.
     is_fixed
         Cells of the flat grid that do not change.
     accepts
@@ -112,7 +115,6 @@ def change_class(
     """
     around = space.cells_at(place)
     center = _center(space, kept, around, event, is_fixed)
-    before = space.cell_set(kept).predicted
     wanted = BettiNumbers(*np.add(before, event.effect).tolist())
     is_near = np.zeros(len(kept), dtype=bool)
     is_near[space.cells_near(center, _NEAR)] = True
@@ -121,7 +123,7 @@ def change_class(
         cells = cells[(kept[cells] != event.adds) & ~is_fixed[cells]]
         for last, grown in _grow(space, kept, cells, center, event):
             grown[last] = event.adds
-            if space.cell_set(grown).predicted == wanted and (accepts is None or accepts(grown)):
+            if space.cell_set(grown).predicted == wanted and accepts(grown):
                 found = _prune(space, kept, grown, last)
                 if event.begins or (found != kept)[is_near].any():
                     return found
