@@ -147,6 +147,15 @@ _GEOMETRY_TO_SELECTION = (
         ),
     ),
     ResultFile(
+        "prices",
+        "prices.csv",
+        "what it costs to open, cut or fill each class of the diagram at the base, by itself",
+        _columns(
+            "row class birth death do change cells volume betti_0 betti_1 betti_2 possible why",
+            "x y z",
+        ),
+    ),
+    ResultFile(
         "selection",
         "selection.json",
         "the selected threshold, its interval, the policy, and the reason for the choice",

@@ -208,6 +208,28 @@ def test_all_files_state_what_was_done(opened):
     assert "open row 1: component" in certificate["selection"]["wanted"]
 
 
+def test_prices_are_what_the_features_cost(opened):
+    _, folder = opened
+    prices = pd.read_csv(folder / "prices.csv")
+    diagram = pd.read_csv(folder / "diagram.csv")
+    assert (
+        diagram.loc[prices["row"], ["birth", "death"]].values == prices[["birth", "death"]]
+    ).all(axis=None)
+    assert prices.loc[~prices["possible"], "why"].notna().all()
+    possible = prices[prices["possible"]].to_dict("records")
+    assert {price["do"] for price in possible} >= {"open"}
+    for price in possible[:4]:
+        wish = {key: price[key] for key in ("row", "do")}
+        result = tusqh.mesh(
+            (np.array(SQUARES), np.array(LINES)), cells=16, placement="corner", features=[wish]
+        )
+        (change,) = result.built.changes.to_dict("records")
+        for key in ("do", "change", "class", "cells", "volume"):
+            assert change[key] == price[key]
+        effect = np.subtract(result.report.measured, (1, 0, 0))
+        assert [price[f"betti_{k}"] for k in range(3)] == effect.tolist()
+
+
 def test_the_check_repeats_the_features(opened, tmp_path):
     _, folder = opened
     done = CliRunner().invoke(app, ["check", str(folder / "mesh.vtu")])

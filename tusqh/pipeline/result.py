@@ -210,6 +210,11 @@ class Result:
         return self.choice.topologies
 
     @property
+    def prices(self) -> pd.DataFrame:
+        """The price of each way to change each class of the diagram, in cells and volume."""
+        return self.choice.prices
+
+    @property
     def selection(self) -> Selection:
         """The threshold, the reason for its choice, and the robustness of the choice."""
         return self.choice.selection
@@ -267,6 +272,7 @@ class Result:
             "curves": self.curves,
             "topologies": self.topologies,
             "candidates": self.choice.candidates,
+            "prices": self.choice.prices,
             "elements": self.judgement.elements,
             "verdict": self.judgement.verdict,
         }

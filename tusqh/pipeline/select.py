@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import pandas as pd
 
 from tusqh.antialias.cells import CellSets
+from tusqh.local_topology.features import Features
+from tusqh.local_topology.prices import affordable_rows, no_prices, tabulate_prices
 from tusqh.progress import Progress, log_progress
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.reference import Reference
@@ -16,6 +19,9 @@ from tusqh.threshold.choose import choose_threshold
 from tusqh.threshold.plateaus import Plateaus
 from tusqh.threshold.selection import Selection
 from tusqh.topology.topology import Topology
+
+#: Largest number of cells of a grid on which `Choice.prices` lists prices.
+MOST_CELLS = 500_000
 
 
 @dataclass(frozen=True)
@@ -35,6 +41,21 @@ class Choice:
     selection: Selection
     plateaus: Plateaus
     candidates: pd.DataFrame
+
+    @cached_property
+    def prices(self) -> pd.DataFrame:
+        """What it costs to change each class of the diagram at the base, by itself.
+
+        The base is that of the local scope or of the features, else the chosen threshold.  On large
+        grids only some classes have a price, see `tusqh.local_topology.prices.affordable_rows`, and
+        on grids of more than `MOST_CELLS` cells none has.
+        """
+        chosen = self.selection
+        if self.plateaus.cell_sets.fractions.grid.n_cells > MOST_CELLS:
+            return no_prices(self.plateaus.cell_sets.fractions.grid.dim)
+        base = chosen.threshold if chosen.base is None else chosen.base
+        features = Features(self.plateaus.cell_sets, base)
+        return tabulate_prices(features, affordable_rows(features))
 
     @property
     def topologies(self) -> pd.DataFrame:

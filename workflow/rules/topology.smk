@@ -14,7 +14,7 @@ rule select:
         **files("geometry", "fractions", "curves", "diagram"),
     output:
         **files("selection"),
-        **shown("topologies", "candidates"),
+        **shown("topologies", "candidates", "prices"),
         one_threshold=ONE_THRESHOLD,
     params:
         window=settings_of("window"),

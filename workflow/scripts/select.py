@@ -49,6 +49,7 @@ with recorded(snakemake) as log:
         )
     write_csv(Path(snakemake.output.topologies), topologies)
     write_csv(Path(snakemake.output.candidates), choice.candidates)
+    write_csv(Path(snakemake.output.prices), choice.prices)
     write_text(Path(snakemake.output.selection), canonical_json(selection.to_dict()))
     # The paper's studies rest on one threshold for the whole model.
     one = choice.with_one_threshold(goal, name=name)
