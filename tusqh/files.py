@@ -192,6 +192,26 @@ _MESH_TO_VERDICT = (
         "the wanted, predicted and measured topology, with digests; `tusqh check` recomputes it",
     ),
     ResultFile(
+        "fitted", "fitted.vtu", "with `fit`: the mesh with its boundary moved onto the geometry"
+    ),
+    ResultFile(
+        "fit",
+        "fit.json",
+        "with `fit`: topology, distances and digests of that mesh; `tusqh check` recomputes it",
+    ),
+    ResultFile(
+        "distances",
+        "distances.csv",
+        "with `fit`: the distances from the boundary to the surface and back",
+        _columns("from at count unit mean p99 max"),
+    ),
+    ResultFile(
+        "unfitted",
+        "unfitted.csv",
+        "with `fit`: every part of the boundary that does not follow the surface, and why",
+        _columns("x y z points what why"),
+    ),
+    ResultFile(
         "elements",
         "elements.csv",
         "the statistics of the element metrics",

@@ -24,7 +24,7 @@ VALUES = {
     **{"volume": True, "bridges": "none", "volume_tolerance": "0.1"},
     **{"voxels": "6,6,6", "voxel_order": "zyx"},
     **{"scope": "local", "base": "0.25", "open": ["0"], "cut": ["1"], "fill": ["hole@0,1"]},
-    "checks": True,
+    **{"checks": True, "fit": True},
     **{
         prefix + name: value
         for prefix in ("", "holes_", "voids_")

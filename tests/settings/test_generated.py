@@ -81,6 +81,7 @@ def test_every_section_survives_the_way_to_plain_values_and_back(repository):
         {"grid": {"cell_size": 0.25}, "window": {"lower": [-1, -2.5], "upper": [4, 3]}},
         {"target": {"betti_0": 1, "betti_2": {"max": 3}}, "orientation": "as-is"},
         {"volume": "match", "holes": {"keep": 2}, "voids": {"min_volume": 0.5}},
+        {"fit": True},
         {"persistence": 0.2, "image": {"empty": -3, "full": 2.5}, "tolerance": 1e-9},
     ],
 )

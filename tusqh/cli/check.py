@@ -29,7 +29,8 @@ def check(
     A certificate.json beside the mesh is recomputed as well: its digests, measurements and,
     where the fractions are there too, its predictions. With the geometry, the fractions, the place
     of the grid and the warnings are recomputed; without it, the warnings are those recorded. In a
-    mesh of several materials, each material is checked.
+    mesh of several materials, each material is checked. A fitted.vtu is compared with fit.json and
+    with the geometry: its topology, its validity and its distances.
 
     Exit code 0: all holds; 1: something does not; 2: the file cannot be read.
 
@@ -60,16 +61,23 @@ def _check_single(
     path: Path, mesh: VolumeMesh, certificate: Path, *, all_checks: bool
 ) -> pd.DataFrame:
     """Return the checks of a mesh of one material, and of its certificate if it has one."""
+    from tusqh.antialias.scheme import PINCH_TEMPLATES
     from tusqh.certificate import check_certificate, read_predicted
     from tusqh.pipeline.judge import judge
     from tusqh.pipeline.recheck import recheck
+    from tusqh.pipeline.recheck_fit import is_fitted, recheck_fit
+    from tusqh.quality.fit_checks import FITTED
 
     claims: list[Check] = []
-    expected = mesh.measurement.by_euler
+    expected, scheme = mesh.measurement.by_euler, PINCH_TEMPLATES
     if certificate.is_file():
         expected = read_predicted(certificate)
+    if is_fitted(path):
+        scheme = FITTED
+        claims += recheck_fit(path, mesh)
+    elif certificate.is_file():
         claims += check_certificate(certificate, path, mesh)
         claims += recheck(certificate, mesh)
     checks: Literal["all"] | None = "all" if all_checks else None
-    verdict = judge(mesh, expected, comparison=claims, checks=checks).verdict
+    verdict = judge(mesh, expected, comparison=claims, checks=checks, scheme=scheme).verdict
     return verdict.drop(columns="material")

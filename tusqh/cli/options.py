@@ -127,14 +127,17 @@ def to_parameter(argument: Argument) -> inspect.Parameter:
     form = getattr(argument.kind, "option_form", form)
     owner = f"{argument.owner.capitalize()}: " if argument.owner else ""
     help_text = owner + about.sentence + form + unit + _default_in_words(argument)
+    name, has_no_value = argument.option, argument.is_flag or argument.is_switch
     option = typer.Option(
-        argument.option,
+        f"{name}/{name.replace('--', '--no-', 1)}" if argument.is_switch else name,
         help=help_text.replace("*", r"\*"),
-        metavar=None if argument.is_flag else about.metavar or "|".join(argument.choices) or "X",
+        metavar=None if has_no_value else about.metavar or "|".join(argument.choices) or "X",
         rich_help_panel=f"{argument.title} options",
         show_default=False,
     )
-    kind: Any = bool if argument.is_flag else list[str] | None if argument.word else str | None
+    kind: Any = bool if argument.is_flag else bool | None if argument.is_switch else str | None
+    if argument.word:
+        kind = list[str] | None
     return inspect.Parameter(
         argument.name,
         inspect.Parameter.KEYWORD_ONLY,

@@ -8,12 +8,16 @@ from typing import Literal
 
 import pandas as pd
 
+from tusqh.antialias.scheme import PINCH_TEMPLATES, Scheme
 from tusqh.extras import MissingExtraError
 from tusqh.meshes.checks import Check
 from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.pipeline.build import Built
+from tusqh.pipeline.fit import Fit
 from tusqh.quality.elements import element_metrics, summarise_metrics
+from tusqh.quality.fit_checks import FITTED
 from tusqh.quality.verdict import judge_alone, judge_mesh, overall, to_table
-from tusqh.settings.quality import MOST_ELEMENTS
+from tusqh.settings.quality import MOST_ELEMENTS, Quality
 from tusqh.topology.betti_numbers import BettiNumbers
 
 
@@ -52,6 +56,7 @@ def judge(
     *,
     comparison: Sequence[Check] = (),
     checks: Literal["all"] | None = None,
+    scheme: Scheme = PINCH_TEMPLATES,
 ) -> Judgement:
     """Return all checks of a mesh, by our own counts, VTK, pymeshlab and MFEM.
 
@@ -65,14 +70,38 @@ def judge(
         Further checks, against the geometry, see `tusqh.pipeline.build.Built.comparison`.
     checks
         Whether other programs check large meshes too, see `tusqh.settings.quality.Quality`.
+    scheme
+        How the mesh was made, which bounds the scaled Jacobians of its elements.
     """
     if checks != "all" and mesh.n_cells > MOST_ELEMENTS:
         skipped = f"{mesh.n_cells:,} elements; `--all-checks` runs them"
-        verdict = to_table([*judge_alone(mesh, predicted, skipped), *comparison])
+        verdict = to_table([*judge_alone(mesh, predicted, skipped, scheme=scheme), *comparison])
         return Judgement(summarise_metrics(pd.DataFrame()), verdict)
     try:
         metrics = element_metrics(mesh)
     except MissingExtraError:
         metrics = None
-    verdict = to_table([*judge_mesh(mesh, predicted, metrics), *comparison])
+    verdict = to_table([*judge_mesh(mesh, predicted, metrics, scheme=scheme), *comparison])
     return Judgement(summarise_metrics(pd.DataFrame() if metrics is None else metrics), verdict)
+
+
+def judge_built(built: Built, fitted: Fit | None, quality: Quality) -> Judgement:
+    """Return all checks of a mesh that was built, and fitted where that was asked for.
+
+    Parameters
+    ----------
+    built
+        The staircase.
+    fitted
+        The fitted mesh; None: the staircase is judged.
+    quality
+        Which programs check it.
+    """
+    final = built if fitted is None else fitted
+    return judge(
+        final.mesh,
+        built.selection.predicted,
+        comparison=final.comparison,
+        checks=quality.checks,
+        scheme=PINCH_TEMPLATES if fitted is None else FITTED,
+    )

@@ -11,8 +11,9 @@ from tusqh.geometry.outline import Outline
 from tusqh.geometry.small_pieces import remarks_on_small_polygons
 from tusqh.pipeline.build import build, require_volume
 from tusqh.pipeline.describe_reading import describe_reading
+from tusqh.pipeline.fit import fit as fit_built
 from tusqh.pipeline.ingest import read_source
-from tusqh.pipeline.judge import judge
+from tusqh.pipeline.judge import judge_built
 from tusqh.pipeline.materials.mesh import has_several_materials, mesh_several
 from tusqh.pipeline.materials.result import MaterialsResult
 from tusqh.pipeline.original import Original
@@ -62,6 +63,7 @@ def mesh(
     holes: Mapping[str, Any] | None = None,
     voids: Mapping[str, Any] | None = None,
     image: Mapping[str, float] | None = None,
+    fit: bool = False,
     volume_tolerance: float = 0.05,
     checks: Literal["all"] | None = None,
     materials: Materials | None = None,
@@ -126,6 +128,8 @@ def mesh(
     image
         For voxels: ``{"voxel_size": 0.1, "empty": 0, "full": 255}``, see
         `tusqh.settings.voxels.Voxels`.
+    fit
+        Move the boundary onto the geometry; `Result.staircase` is the mesh before.
     volume_tolerance
         Largest relative difference between the volumes of the mesh and of the geometry that causes
         no warning (with `volume`, no error).
@@ -234,13 +238,12 @@ def run_stages(
     )
     if settings.goal.volume is not None:
         require_volume(built)
+    fitted = None
+    if settings.fitting.fit:
+        progress("fit")
+        fitted = fit_built(built.mesh, choice.selection, fractions, original, built.facts)
     progress("quality")
-    judgement = judge(
-        built.mesh,
-        choice.selection.predicted,
-        comparison=built.comparison,
-        checks=settings.quality.checks,
-    )
+    judgement = judge_built(built, fitted, settings.quality)
     remarks = reading.remarks
     if not isinstance(geometry, Image):
         remarks += orient(geometry, settings.sampling.orientation).remarks
@@ -249,4 +252,6 @@ def run_stages(
         kept = built.resolved.cells.kept
         remarks += remarks_on_small_polygons(geometry, fractions.grid, kept, is_outside=is_outside)
     read = describe_reading(reading)
-    return Result(geometry, fractions, found, choice, built, judgement, settings, read, remarks)
+    return Result(
+        geometry, fractions, found, choice, built, judgement, settings, read, remarks, fitted
+    )

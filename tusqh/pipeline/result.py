@@ -19,10 +19,12 @@ from tusqh.meshes.formats import write_mesh
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.build import Built
 from tusqh.pipeline.describe_reading import lines_of_reading
+from tusqh.pipeline.fit import WRITTEN, Fit
 from tusqh.pipeline.ingest import describe_geometry
 from tusqh.pipeline.judge import Judgement
 from tusqh.pipeline.persistence import Persistence
 from tusqh.pipeline.select import Choice
+from tusqh.quality.fit_checks import describe_fit
 from tusqh.quality.verdict import compare_volumes, describe_changes, describe_contacts
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.io import save_fractions
@@ -103,6 +105,7 @@ class Report:
             f"{facts['grid']} cells, {describe_contacts(facts)}, "
             f"volume {compare_volumes(facts)}",
             **describe_changes(facts),
+            **describe_fit(facts),
             **self._placement(),
             "verdict": str(Judgement(self.elements, self.verdict)),
             **self._not_run(),
@@ -164,6 +167,8 @@ class Result:
         Description of the reading, see `tusqh.pipeline.describe_reading.describe_reading`.
     remarks
         Remarks on what reading and orienting the geometry left out, changed or noted.
+    fit
+        The fitted mesh, where the settings ask for it.
     """
 
     geometry: Geometry
@@ -175,6 +180,7 @@ class Result:
     settings: Settings
     reading: dict[str, Any]
     remarks: tuple[Remark, ...] = ()
+    fit: Fit | None = None
 
     @property
     def name(self) -> str:
@@ -183,8 +189,18 @@ class Result:
 
     @property
     def mesh(self) -> VolumeMesh:
-        """The mesh: `points`, `cells`, `to_pyvista()`, `to_meshio()`, `to_mfem()`."""
+        """The mesh, fitted where asked: `points`, `cells`, `to_pyvista()`, `to_meshio()`, ..."""
+        return self.built.mesh if self.fit is None else self.fit.mesh
+
+    @property
+    def staircase(self) -> VolumeMesh:
+        """The mesh before its boundary was fitted."""
         return self.built.mesh
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """Numbers that describe the mesh, fitted where asked, see `Built.facts`."""
+        return self.built.facts | ({} if self.fit is None else self.fit.facts)
 
     @cached_property
     def defects(self) -> pd.DataFrame:
@@ -226,7 +242,7 @@ class Result:
         return Report(
             self.name,
             self.selection,
-            self.built.facts,
+            self.facts,
             judged.elements,
             judged.verdict,
             self.reading,
@@ -248,14 +264,14 @@ class Result:
         """
         path = Path(path)
         if path.suffix == ".vtu":
-            self.built.write_mesh(path)
+            (self.built if self.fit is None else self.fit).write_mesh(path)
         else:
             write_mesh(path, self.mesh)
 
     def save(self, folder: Path | str) -> None:
         """Write all files that the workflow writes up to the verdict, under the same names.
 
-        `tusqh check FOLDER/mesh.vtu` then recomputes the certificate.
+        `tusqh check` then recomputes the certificate of ``mesh.vtu``, and of ``fitted.vtu``.
 
         Parameters
         ----------
@@ -282,3 +298,6 @@ class Result:
         write_text(path_of("selection", folder), canonical_json(self.selection.to_dict()))
         written = ("fractions", "mesh", "certificate", "features", "bridges", "changes", "facts")
         self.built.write(**{name: path_of(name, folder) for name in written})
+        if self.fit is not None:
+            of_fit = {name: path_of(name, folder) for name in WRITTEN}
+            self.fit.write(mesh=path_of("mesh", folder), **of_fit)

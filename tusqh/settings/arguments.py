@@ -70,6 +70,11 @@ class Argument:
         return len(self.choices) == 1
 
     @property
+    def is_switch(self) -> bool:
+        """Whether the option switches something on, and ``--no-NAME`` switches it off."""
+        return self.kind is bool
+
+    @property
     def option(self) -> str:
         """The name on the command line."""
         if self.word:
@@ -174,7 +179,8 @@ def from_options(section: type[S], values: Mapping[str, Any]) -> S:
         The section.
     values
         The text of each option, by the names of `options_of`, a list of texts for one that may be
-        given several times; None or False for those that are not given.
+        given several times; whether a switch is on; None, and False for a flag, for those that are
+        not given.
 
     Raises
     ------
@@ -193,7 +199,7 @@ def from_options(section: type[S], values: Mapping[str, Any]) -> S:
     block: dict[str, Any] = {}
     for name, text in values.items():
         argument, value = options[name], text
-        if text is None or text is False:
+        if text is None or (text is False and not argument.is_switch):
             continue
         if argument.word:
             convert = functools.partial(get_args(argument.kind)[0].from_option, argument.word)
@@ -240,8 +246,8 @@ def to_words(settings: Section, *, without: tuple[str, ...] = ()) -> list[str]:
             words += [f"{argument.option}={text}" for text in chosen]
             continue
         text = value.to_option() if argument.is_section else _to_text(value)
-        if argument.is_flag:
-            words.append(argument.option)
+        if argument.is_flag or argument.is_switch:
+            words.append(argument.option if value else argument.option.replace("--", "--no-", 1))
         elif text.startswith("-"):
             words.append(f"{argument.option}={text}")
         else:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from tusqh.settings.field import setting
+from tusqh.settings.fitting import Fitting
 from tusqh.settings.goal import Goal
 from tusqh.settings.grid import Grid, Window
 from tusqh.settings.materials import Material, find_repeated
@@ -53,6 +54,9 @@ class Settings(Section):
     goal: Goal = setting("How the threshold is chosen.", default=Goal, is_inline=True)
     policy: Policy = setting(
         "What to do about archipelagos and small features.", default=Policy, is_inline=True
+    )
+    fitting: Fitting = setting(
+        "Whether the boundary is moved onto the geometry.", default=Fitting, is_inline=True
     )
     quality: Quality = setting(
         "How far the mesh may be from its geometry.", default=Quality, is_inline=True
@@ -147,6 +151,8 @@ class Model(Section):
                 yield ("materials", k, *path), found, expected
         for path, found, expected in find_repeated(self.list_of_materials):
             yield ("materials", *path), found, expected
+        if self.has_several_materials and self.settings.fitting.fit:
+            yield ("fit",), "found True", "false: several materials are not fitted yet"
         if self.rest is not None and not self.has_several_materials:
             yield ("rest",), f"found {self.rest!r}", "`materials` or `labels` beside it"
 

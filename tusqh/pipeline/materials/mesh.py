@@ -8,7 +8,7 @@ from typing import Any
 from tusqh.contacts import MaterialFractions
 from tusqh.errors import ConfigError
 from tusqh.pipeline.materials.gather import Gathered, gather, is_pair, require_known
-from tusqh.pipeline.materials.remarks import note_absent
+from tusqh.pipeline.materials.remarks import note_absent, note_fit
 from tusqh.pipeline.materials.result import MaterialsResult
 from tusqh.pipeline.materials.sample import Sampled, sample_materials
 from tusqh.pipeline.materials.wishes import fulfil
@@ -97,7 +97,7 @@ def mesh_several(
         sampled.fractions,
         found.thresholds,
         sampled.overlaps,
-        (*gathered.remarks, *absent),
+        (*gathered.remarks, *absent, *note_fit(settings)),
         settings.quality.volume_tolerance,
         settings.quality.checks,
     )

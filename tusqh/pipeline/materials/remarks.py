@@ -1,4 +1,4 @@
-"""Remarks on materials that have no cell in the mesh."""
+"""Remarks on materials that have no cell in the mesh, and on settings without effect."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from tusqh.contacts.material_fractions import FULL
 from tusqh.contacts.score_field import score_field
 from tusqh.geometry.remark import Remark
 from tusqh.grid import doubled
+from tusqh.settings.model import Settings
 
 
 def note_absent(
@@ -48,3 +49,22 @@ def note_absent(
             )
         )
     return tuple(remarks)
+
+
+def note_fit(settings: Settings) -> tuple[Remark, ...]:
+    """Return a remark if the boundary should be fitted, which only one material allows.
+
+    Parameters
+    ----------
+    settings
+        The given settings.
+
+    Returns
+    -------
+    remarks
+        One remark or none; it counts as "noted".
+    """
+    if not settings.fitting.fit:
+        return ()
+    what = "setting without effect: `fit` does not apply to several materials yet"
+    return (Remark("noted", what, 1, "mesh the materials one by one to fit them"),)
