@@ -1,18 +1,21 @@
 """On random fields with ties, the result has the seed's Betti numbers by three counts."""
 
+import itertools
+
 import numpy as np
 import pytest
 from flag_complexes import betti_by_flag_complex, has_contractible_link
 
 from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
+from tusqh.antialias.scheme import PINCH_TEMPLATES
 from tusqh.grid import BackgroundGrid
 from tusqh.local_topology.move import move_to_base
 from tusqh.sampling.fractions import VolumeFractions, round_fractions
 from tusqh.settings.goal import Goal, Target
 from tusqh.settings.policy import Policy
 from tusqh.threshold.choose import choose_threshold
-from tusqh.threshold.plateaus import BETTI, Plateaus
+from tusqh.threshold.plateaus import BETTI, Plateaus, merge_intervals
 
 NO_BRIDGES = Policy(bridges="none")
 
@@ -48,6 +51,8 @@ def require_topology(found, seed):
     if found.kept.any():
         assert mesh.measurement.has_topology(seed.predicted)
         assert mesh.measurement.is_sound
+        assert mesh.measurement.is_manifold
+        assert PINCH_TEMPLATES.allows(mesh.measurement.smallest_scaled_jacobian, mesh)
     votes = found.fractions.values >= seed.threshold
     assert betti_by_flag_complex(found.kept, votes) == tuple(seed.predicted)
     assert mesh.dim == 2 or found.n_overruled == 0
@@ -60,12 +65,27 @@ def require_no_simple_cell(found, seed):
         assert not has_contractible_link(found.kept, votes, cell), cell
 
 
-def check_field(seed, dim, largest, n_seeds):
-    """Check the results of some seeds of a random field; return how many cells were changed."""
+def every_interval(cell_sets):
+    """Return a threshold of every interval with the same Betti numbers."""
+    return merge_intervals(Plateaus(cell_sets).table)["threshold"].tolist()
+
+
+def check_field(seed, dim, largest, n_seeds=None):
+    """Check results of a random field, by default of every interval as the seed.
+
+    Returns
+    -------
+    n_seeds, n_changed
+        The numbers of seeds and of cells that were changed.
+    """
     fractions, rng = random_field(seed, dim, largest), np.random.default_rng(seed)
     cell_sets = CellSets(fractions, NO_BRIDGES)
     n_changed = 0
-    for threshold in some_thresholds(cell_sets, rng, n_seeds):
+    if n_seeds is None:
+        thresholds = every_interval(cell_sets)
+    else:
+        thresholds = some_thresholds(cell_sets, rng, n_seeds)
+    for threshold in thresholds:
         start = cell_sets.at(threshold)
         base = cell_sets.at(float(rng.choice([0.5, rng.choice(cell_sets.distinct_fractions)])))
         found = move_to_base(start, base)
@@ -75,19 +95,51 @@ def check_field(seed, dim, largest, n_seeds):
         assert (found.kept[is_common] == base.kept[is_common]).all()
         assert found.n_changes == found.changes["cells"].sum()
         n_changed += int((found.kept != start.kept).sum())
-    return n_changed
+    return len(thresholds), n_changed
 
 
 @pytest.mark.parametrize(("dim", "largest", "n_fields"), [(2, 7, 25), (3, 4, 10)])
 def test_the_result_has_the_topology_of_its_seed(dim, largest, n_fields):
-    assert sum(check_field(seed, dim, largest, 3) for seed in range(n_fields)) > 100
+    assert sum(check_field(seed, dim, largest, 3)[1] for seed in range(n_fields)) > 100
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("dim", "largest", "n_fields"), [(2, 8, 400), (3, 5, 200)])
-def test_many_results_have_the_topology_of_their_seeds(dim, largest, n_fields):
-    for seed in range(1000, 1000 + n_fields):
-        check_field(seed, dim, largest, 5)
+@pytest.mark.parametrize(("dim", "largest", "n_fields"), [(2, 6, 2000), (3, 3, 1200)])
+def test_every_interval_of_many_fields_is_a_seed(dim, largest, n_fields):
+    counts = [check_field(seed, dim, largest) for seed in range(1000, 1000 + n_fields)]
+    n_seeds, n_changed = np.sum(counts, axis=0)
+    assert n_seeds > 3 * n_fields
+    assert n_changed > n_seeds
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_turned_and_mirrored_fields_have_turned_and_mirrored_results(dim):
+    """Cells with different fractions have one order; of equal ones the first in the array wins."""
+    n_changed = 0
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        shape = tuple(int(n) for n in rng.integers(3, 6, dim))
+        values = rng.random(tuple(2 * n + 1 for n in shape))
+        is_cell = (slice(1, None, 2),) * dim
+        values[is_cell] = (rng.permutation(np.prod(shape)).reshape(shape) + 1) / (
+            np.prod(shape) + 1
+        )
+        kept = moved_kept(values, 0.75, 0.35)
+        for axes in itertools.permutations(range(dim)):
+            for flips in itertools.product((1, -1), repeat=dim):
+                turn = tuple(slice(None, None, step) for step in flips)
+                turned = moved_kept(values.transpose(axes)[turn], 0.75, 0.35)
+                assert np.array_equal(turned, kept.transpose(axes)[turn])
+        n_changed += int((kept != (values[is_cell] >= 0.75)).sum())
+    assert n_changed > 30
+
+
+def moved_kept(values, threshold, base):
+    """Return the kept cells of a threshold after the move to a base."""
+    shape = tuple(n // 2 for n in values.shape)
+    grid = BackgroundGrid(shape=shape, cell_size=1.0, origin=(0.0,) * len(shape))
+    cell_sets = CellSets(VolumeFractions.from_values(grid, 4, round_fractions(values)), NO_BRIDGES)
+    return move_to_base(cell_sets.at(threshold), cell_sets.at(base)).kept
 
 
 def test_bridges_stay():

@@ -41,6 +41,31 @@ rule figure_suitability:
         "../scripts/figure_suitability.py"
 
 
+# What a topology costs with one threshold for the whole model, and with local changes.
+rule scopes:
+    input:
+        **files("geometry", "fractions", "curves", "diagram"),
+    output:
+        table="results/{model}/scopes.csv",
+    params:
+        window=settings_of("window"),
+        sampling=settings_of("sampling"),
+        goal=settings_of("goal"),
+        policy=settings_of("policy"),
+    script:
+        "../scripts/scopes.py"
+
+
+rule scopes_of_all_models:
+    input:
+        tables=expand("results/{model}/scopes.csv", model=MODELS),
+    output:
+        table=report("results/tables/local_topology.csv", "../report/scopes.rst", category="Tables"),
+        figure=report("results/figures/scopes.png", "../report/scopes.rst", category="Figures"),
+    script:
+        "../scripts/scopes_of_all_models.py"
+
+
 rule placements:
     input:
         **files("geometry"),

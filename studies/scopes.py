@@ -1,0 +1,158 @@
+"""Compare the two scopes on every model: one threshold for the whole model, and local changes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pandas as pd
+
+from tusqh.fitting.distances import measure_distances
+from tusqh.fitting.of_geometry import target_of
+from tusqh.fitting.target import Target as Surface
+from tusqh.geometry.kinds import Geometry
+from tusqh.grid import BoolArray
+from tusqh.sampling.lattice import Box
+from tusqh.settings.goal import Goal, Scope, Target
+from tusqh.settings.sampling import Orientation
+from tusqh.threshold.choose import choose_threshold
+from tusqh.threshold.goals import matches
+from tusqh.threshold.plateaus import BETTI, Plateaus, merge_intervals
+from tusqh.threshold.selection import Selection
+from tusqh.topology.betti_numbers import BettiNumbers
+
+#: The base of the local scope, to which both scopes are compared.
+BASE = 0.5
+
+#: Largest number of targets of a model.
+MOST_TARGETS = 3
+
+#: The scopes, in the order of the rows.
+SCOPES: tuple[Scope, ...] = ("global", "local")
+
+
+def compare_scopes(
+    plateaus: Plateaus,
+    geometry: Geometry,
+    *,
+    wanted: Target | None = None,
+    orientation: Orientation = "auto",
+    window: Box | None = None,
+    name: str,
+) -> pd.DataFrame:
+    """Return the meshes of both scopes for some targets of a model.
+
+    Parameters
+    ----------
+    plateaus
+        The plateaus of the threshold.
+    geometry
+        The geometry, for the distances.
+    wanted
+        The target of the model's configuration, if it has one.
+    orientation, window
+        How the geometry was sampled, and the box to mesh in.
+    name
+        The model.
+
+    Returns
+    -------
+    table
+        One row per target and scope: `model`, `dimension`, `grid`; `base_betti`, the Betti numbers
+        at 1/2; `target`, and whether it is the `configured` one; `scope`; `threshold`, in the local
+        scope that of the seed; `cells_changed`, the number of cells that differ from those of 1/2,
+        and how many fewer these are than with the global scope (`cells_saved`);
+        the volume of the mesh over that of the geometry (`volume_ratio`) and of the kept cells over
+        those at 1/2 (`volume_over_base`); `betti_measured`; whether the mesh is sound and both
+        measurements confirm the target (`holds`); the mean distances in cells from the boundary to
+        the surface and back (`boundary_mean`, `surface_mean`; missing for images).
+    """
+    fractions = plateaus.cell_sets.fractions
+    base = plateaus.cell_sets.at(BASE)
+    surface = target_of(geometry, fractions, orientation=orientation, sides=window)
+    rows = []
+    for target in pick_targets(plateaus.table, base.predicted, wanted):
+        for scope in SCOPES:
+            goal = Goal(target=target, scope=scope, base=BASE)
+            selection, _ = choose_threshold(plateaus, goal, name=name)
+            rows.append(
+                {
+                    "model": name,
+                    "dimension": fractions.grid.dim,
+                    "grid": fractions.grid.label,
+                    "base_betti": str(base.predicted),
+                    "target": str(target),
+                    "configured": target == wanted,
+                    "scope": scope,
+                    "threshold": selection.threshold,
+                    **_measure(selection, target, base.kept, plateaus.reference.volume),
+                    **_distances(selection, surface),
+                }
+            )
+    table = pd.DataFrame(rows)
+    of_global = table.groupby("target")["cells_changed"].transform("first")
+    table.insert(9, "cells_saved", of_global - table["cells_changed"])
+    return table
+
+
+def pick_targets(
+    predicted: pd.DataFrame, at_base: BettiNumbers, wanted: Target | None
+) -> list[Target]:
+    """Return the configured target, and the Betti numbers of the widest ranges of thresholds.
+
+    Betti numbers other than those of the base come first, because they cost something.
+
+    Parameters
+    ----------
+    predicted
+        See `tusqh.threshold.plateaus.Plateaus.table`.
+    at_base
+        The Betti numbers at the base.
+    wanted
+        The target of the model's configuration, if it has one.
+
+    Examples
+    --------
+    >>> predicted = pd.DataFrame({
+    ...     "upper": [1.0, 0.5, 0.2], "lower": [0.5, 0.2, 0.0], "width": [0.5, 0.3, 0.2],
+    ...     "threshold": [0.75, 0.35, 0.1], "cells": 1, "volume_ratio": 1.0,
+    ...     "betti_0": [1, 2, 3], "betti_1": 0, "betti_2": 0})
+    >>> found = pick_targets(predicted, BettiNumbers(1, 0, 0), None)
+    >>> [target.betti_0 for target in found]
+    [2, 3, 1]
+    """
+    widths = merge_intervals(predicted).groupby(BETTI, as_index=False)["width"].sum()
+    widths["at_base"] = (widths[BETTI] == list(at_base)).all(axis=1)
+    widths = widths.sort_values(["at_base", "width"], ascending=[True, False], kind="stable")
+    targets = [] if wanted is None else [wanted]
+    if wanted is not None:
+        widths = widths[~matches(widths, wanted)]
+    others = [Target(**row) for row in widths[BETTI].to_dict("records")]
+    return (targets + others)[:MOST_TARGETS]
+
+
+def _measure(
+    selection: Selection, target: Target, in_base: BoolArray, volume: float
+) -> dict[str, Any]:
+    """Return the cost of a mesh, and whether it has the target."""
+    assert selection.resolved is not None  # Both scopes verify the mesh of a target.
+    mesh, cells = selection.resolved.mesh, selection.resolved.cells
+    measured = mesh.measurement
+    numbers = pd.DataFrame([measured.by_euler, measured.by_boundary], columns=BETTI)
+    return {
+        "cells_changed": int((cells.kept != in_base).sum()),
+        "volume_ratio": measured.volume / volume if volume > 0 else float("nan"),
+        "volume_over_base": cells.kept.sum() / max(in_base.sum(), 1),
+        "betti_measured": str(measured.by_euler),
+        "holds": bool(measured.is_sound and matches(numbers, target).all()),
+    }
+
+
+def _distances(selection: Selection, surface: Surface) -> dict[str, float]:
+    """Return the mean distances between the boundary of a mesh and the surface, in cells."""
+    assert selection.resolved is not None
+    found = measure_distances(selection.resolved.mesh, surface)
+    mean = found[found["unit"] == "cells"].set_index(["from", "at"])["mean"]
+    return {
+        "boundary_mean": round(float(mean["boundary", "faces"]), 6),
+        "surface_mean": round(float(mean["surface", "samples"]), 6),
+    }
