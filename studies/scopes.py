@@ -123,9 +123,13 @@ def pick_targets(
     widths = merge_intervals(predicted).groupby(BETTI, as_index=False)["width"].sum()
     widths["at_base"] = (widths[BETTI] == list(at_base)).all(axis=1)
     widths = widths.sort_values(["at_base", "width"], ascending=[True, False], kind="stable")
-    targets = [] if wanted is None else [wanted]
+    targets = []
     if wanted is not None:
-        widths = widths[~matches(widths, wanted)]
+        targets = [wanted]
+        # What the configured target selects: the Betti numbers of the base, or the widest others.
+        meets = widths[matches(widths, wanted)]
+        selected = meets[meets["at_base"]] if meets["at_base"].any() else meets
+        widths = widths.drop(index=selected.index[:1])
     others = [Target(**row) for row in widths[BETTI].to_dict("records")]
     return (targets + others)[:MOST_TARGETS]
 

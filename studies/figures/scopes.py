@@ -10,14 +10,14 @@ from matplotlib.lines import Line2D
 from studies.scopes import SCOPES
 from tusqh.figures import style
 
-_LOOKS = {"global": (style.BRIDGE, "s"), "local": (style.CONNECTING, "o")}
+_LOOKS = {"global": (style.OUTLINE, "s"), "local": (style.CONNECTING, "o")}
 
 #: Columns, labels of their axes, and the value up to which the axis is linear (None: all of it).
 _PANELS: tuple[tuple[str, str, float | None], ...] = (
     ("cells_changed", "cells other than at 1/2 [-]", 1.0),
     ("volume_ratio", "volume over that of the geometry [-]", None),
     ("boundary_mean", "boundary to surface, mean [cells]", None),
-    ("surface_mean", "surface to boundary, mean [cells]", None),
+    ("surface_mean", "surface to boundary, mean [cells]", 0.1),
 )
 
 

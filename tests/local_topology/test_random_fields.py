@@ -116,14 +116,13 @@ def test_every_interval_of_many_fields_is_a_seed(dim, largest, n_fields):
 def test_turned_and_mirrored_fields_have_turned_and_mirrored_results(dim):
     """Cells with different fractions have one order; of equal ones the first in the array wins."""
     n_changed = 0
-    for seed in range(6):
+    for seed in range(2 if dim == 3 else 6):
         rng = np.random.default_rng(seed)
         shape = tuple(int(n) for n in rng.integers(3, 6, dim))
         values = rng.random(tuple(2 * n + 1 for n in shape))
         is_cell = (slice(1, None, 2),) * dim
-        values[is_cell] = (rng.permutation(np.prod(shape)).reshape(shape) + 1) / (
-            np.prod(shape) + 1
-        )
+        n_cells = int(np.prod(shape))
+        values[is_cell] = (rng.permutation(n_cells).reshape(shape) + 1) / (n_cells + 1)
         kept = moved_kept(values, 0.75, 0.35)
         for axes in itertools.permutations(range(dim)):
             for flips in itertools.product((1, -1), repeat=dim):
