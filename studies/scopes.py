@@ -120,8 +120,9 @@ def pick_targets(
     >>> [target.betti_0 for target in found]
     [2, 3, 1]
     """
-    widths = merge_intervals(predicted).groupby(BETTI, as_index=False)["width"].sum()
-    widths["at_base"] = (widths[BETTI] == list(at_base)).all(axis=1)
+    intervals = merge_intervals(predicted)
+    widths = intervals[[*BETTI, "width"]].groupby(BETTI).sum().reset_index()
+    widths["at_base"] = [tuple(row) == tuple(at_base) for row in widths[BETTI].to_numpy()]
     widths = widths.sort_values(["at_base", "width"], ascending=[True, False], kind="stable")
     targets = []
     if wanted is not None:
@@ -130,7 +131,7 @@ def pick_targets(
         meets = widths[matches(widths, wanted)]
         selected = meets[meets["at_base"]] if meets["at_base"].any() else meets
         widths = widths.drop(index=selected.index[:1])
-    others = [Target(**row) for row in widths[BETTI].to_dict("records")]
+    others = [Target(*numbers) for numbers in widths[BETTI].to_numpy().tolist()]
     return (targets + others)[:MOST_TARGETS]
 
 

@@ -29,11 +29,11 @@ def draw_scopes(table: pd.DataFrame) -> Figure:
     table
         See `studies.scopes.compare_scopes`, of all models.
     """
-    rows = table.drop_duplicates(["model", "target"])[["model", "target", "configured"]]
-    wishes = list(rows.itertuples(index=False))
+    pairs = zip(table["model"].tolist(), table["target"].tolist(), strict=True)
+    wishes: list[tuple[str, str]] = list(dict.fromkeys(pairs))
     height = 0.21 * len(wishes) + 1.8
     figure, axes = style.new_figure(1, len(_PANELS), width=15.0, height=height)
-    places = {(wish.model, wish.target): -k for k, wish in enumerate(wishes)}
+    places = {wish: -k for k, wish in enumerate(wishes)}
     for panel, (column, label, linear_up_to) in zip(axes[0], _PANELS, strict=True):
         if linear_up_to is not None:
             panel.set_xscale("symlog", linthresh=linear_up_to)
@@ -43,10 +43,10 @@ def draw_scopes(table: pd.DataFrame) -> Figure:
         panel.set_ylim(-len(wishes) + 0.3, 0.7)
         panel.grid(visible=True, axis="x", linewidth=0.3)
         for k in range(1, len(wishes)):
-            if wishes[k].model != wishes[k - 1].model:
+            if wishes[k][0] != wishes[k - 1][0]:
                 panel.axhline(0.5 - k, color="#bbbbbb", linewidth=0.4)
     axes[0, 1].axvline(1.0, color="black", linewidth=0.6)
-    labels = [f"{wish.model}: {_in_symbols(wish.target)}" for wish in wishes]
+    labels = [f"{model}: {_in_symbols(target)}" for model, target in wishes]
     axes[0, 0].set_yticks(list(places.values()), labels, fontsize=8)
     handles = [
         Line2D([], [], ls="", marker=marker, color=colour, label=f"scope: {scope}")
@@ -60,14 +60,15 @@ def _draw_pairs(
     panel: Axes, table: pd.DataFrame, column: str, places: dict[tuple[str, str], int]
 ) -> None:
     """Draw the values of both scopes in the row of each target."""
-    of_scope = {scope: table[table["scope"] == scope] for scope in SCOPES}
-    y = [places[key] for key in zip(table["model"], table["target"], strict=True)]
-    at = pd.Series(y, index=table.index)
-    ends = [of_scope[scope].set_index(["model", "target"])[column] for scope in SCOPES]
-    panel.hlines([places[key] for key in ends[0].index], *ends, color="#999999", linewidth=0.9)
-    for scope, (colour, marker) in _LOOKS.items():
-        rows = of_scope[scope]
-        panel.plot(rows[column], at[rows.index], marker, color=colour, markersize=4)
+    ends = []
+    for scope in SCOPES:
+        rows = table[table["scope"] == scope]
+        keys = zip(rows["model"].tolist(), rows["target"].tolist(), strict=True)
+        at, values = [places[key] for key in keys], rows[column].to_numpy(dtype=float)
+        colour, marker = _LOOKS[scope]
+        panel.plot(values, at, marker, color=colour, markersize=4)
+        ends.append(values)
+    panel.hlines(at, ends[0], ends[1], color="#999999", linewidth=0.9, zorder=1)
 
 
 def _in_symbols(target: str) -> str:
