@@ -131,7 +131,7 @@ def pick_targets(
         meets = widths[matches(widths, wanted)]
         selected = meets[meets["at_base"]] if meets["at_base"].any() else meets
         widths = widths.drop(index=selected.index[:1])
-    others = [Target(*numbers) for numbers in widths[BETTI].to_numpy().tolist()]
+    others = [Target(*numbers) for numbers in widths[BETTI].to_numpy(dtype=int).tolist()]
     return (targets + others)[:MOST_TARGETS]
 
 
