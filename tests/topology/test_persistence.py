@@ -1,14 +1,19 @@
 """Clamping, and the table of pairs with its check; test_curves checks the numbers."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from fields import make_fractions, random_fractions
 
 from tusqh.errors import TopologyError
+from tusqh.grid import BackgroundGrid
+from tusqh.sampling.fractions import VolumeFractions
+from tusqh.tables import write_csv
 from tusqh.topology.filtration import clamp_values
 from tusqh.topology.persistence import (
     count_alive,
     locate_pairs,
+    place_pairs,
     require_agreement,
 )
 from tusqh.topology.topology import Topology
@@ -77,6 +82,17 @@ def test_located_pairs_name_the_place_as_it_is_on_the_map():
     )
     of_cells = located[located["birth_at"] == "cell"]
     assert np.allclose(of_cells["birth_x"], of_cells["birth_i"].astype(float) + 0.5)
+
+
+@pytest.mark.parametrize("shape", [(6, 5), (3, 4, 3)])
+def test_places_are_found_again_in_the_written_table(tmp_path, shape):
+    rng = np.random.default_rng(3)
+    grid = BackgroundGrid(shape=shape, cell_size=0.3, origin=(-7.1,) * len(shape))
+    values = rng.integers(0, 9, tuple(2 * n + 1 for n in shape)) / 8
+    pairs = Topology(VolumeFractions.from_values(grid, 4, values).multiples).pairs
+    write_csv(tmp_path / "diagram.csv", locate_pairs(pairs, grid))
+    found = place_pairs(pd.read_csv(tmp_path / "diagram.csv"), grid)
+    pd.testing.assert_frame_equal(found[list(pairs.columns)], pairs.reset_index(drop=True))
 
 
 def test_a_disagreement_between_the_two_roads_is_never_silent():

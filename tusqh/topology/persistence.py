@@ -48,6 +48,29 @@ def locate_pairs(pairs: pd.DataFrame, grid: BackgroundGrid) -> pd.DataFrame:
     return located
 
 
+def place_pairs(located: pd.DataFrame, grid: BackgroundGrid) -> pd.DataFrame:
+    """Return the pairs that `locate_pairs` located, with their two place columns.
+
+    Parameters
+    ----------
+    located
+        The pairs, read from diagram.csv for instance.
+    grid
+        The background grid.
+    """
+    axes = "xyz"[: grid.dim]
+    described = [f"_{name}" for name in ("at", *"ijk"[: grid.dim], *axes)]
+    pairs = located.drop(columns=[e + name for e in ("birth", "death") for name in described])
+    shape = tuple(2 * n + 1 for n in grid.shape)
+    for event in ("birth", "death"):
+        points = located[[f"{event}_{axis}" for axis in axes]].to_numpy(dtype=float)
+        is_there = np.isfinite(points).all(axis=1)
+        cells = (np.where(is_there[:, None], points, grid.origin) - grid.origin) / grid.cell_size
+        place = np.ravel_multi_index(tuple(np.rint(2 * cells).astype(np.int64).T), shape)
+        pairs[f"{event}_place"] = np.where(is_there, place, -1)
+    return pairs
+
+
 def count_alive(pairs: pd.DataFrame, thresholds: FloatArray) -> IntArray:
     """Return the Betti numbers that pairs imply at thresholds, shape (n, 3).
 

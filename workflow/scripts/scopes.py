@@ -13,18 +13,19 @@ from tusqh.settings.grid import Window
 from tusqh.settings.policy import Policy
 from tusqh.settings.sampling import Sampling
 from tusqh.tables import write_csv
+from tusqh.topology.persistence import place_pairs
 from tusqh.topology.topology import Topology
 
 with recorded(snakemake) as log:
     params = snakemake.params
     geometry = load_geometry(Path(snakemake.input.geometry))
     fractions = load_fractions(Path(snakemake.input.fractions))
-    curves, pairs = pd.read_csv(snakemake.input.curves), pd.read_csv(snakemake.input.diagram)
+    curves, diagram = pd.read_csv(snakemake.input.curves), pd.read_csv(snakemake.input.diagram)
     sampling = Sampling.from_dict(params.sampling)
     box = params.window and Window.from_dict(params.window).box
     plateaus = find_plateaus(
         fractions,
-        Topology.from_tables(fractions.multiples, curves, pairs),
+        Topology.from_tables(fractions.multiples, curves, place_pairs(diagram, fractions.grid)),
         policy=Policy.from_dict(params.policy),
         reference=find_reference(geometry, fractions, sampling=sampling, window=box),
     )

@@ -14,11 +14,12 @@ from tusqh.settings.grid import Window
 from tusqh.settings.policy import Policy
 from tusqh.settings.sampling import Sampling
 from tusqh.tables import write_csv
+from tusqh.topology.persistence import place_pairs
 from tusqh.topology.topology import Topology
 
 with recorded(snakemake) as log:
     fractions = load_fractions(Path(snakemake.input.fractions))
-    curves, pairs = pd.read_csv(snakemake.input.curves), pd.read_csv(snakemake.input.diagram)
+    curves, diagram = pd.read_csv(snakemake.input.curves), pd.read_csv(snakemake.input.diagram)
     window = snakemake.params.window
     reference = find_reference(
         load_geometry(Path(snakemake.input.geometry)),
@@ -29,7 +30,7 @@ with recorded(snakemake) as log:
     goal, name = Goal.from_dict(snakemake.params.goal), snakemake.wildcards.model
     choice = select(
         fractions,
-        Topology.from_tables(fractions.multiples, curves, pairs),
+        Topology.from_tables(fractions.multiples, curves, place_pairs(diagram, fractions.grid)),
         policy=Policy.from_dict(snakemake.params.policy),
         goal=goal,
         reference=reference,
