@@ -13,6 +13,8 @@ would rerun steps that do not depend on it.
 from __future__ import annotations
 
 import ast
+import json
+import os
 import re
 from collections.abc import Iterable, Iterator
 from functools import cache
@@ -43,6 +45,42 @@ def code_fingerprint(script: str, *, base: Path) -> dict[str, str]:
         The checkout.
     """
     return {"script": script, "sha256": hash_value(code_files(script, base=base))}
+
+
+def code_fingerprints(
+    scripts: Iterable[str], *, base: Path, store: Path
+) -> dict[str, dict[str, str]]:
+    """Return the fingerprints of scripts by script, from a file where no file of code has changed.
+
+    Parameters
+    ----------
+    scripts
+        Scripts and modules, as paths in the checkout.
+    base
+        The checkout.
+    store
+        File that keeps the fingerprints, with a digest of all files of code; it is not written
+        in a checkout that cannot be written to.
+    """
+    scripts = sorted(set(scripts))
+    state = hash_value([_contents(base, scripts), Path(__file__).read_text("utf-8")])
+    kept = json.loads(store.read_text("utf-8")) if store.is_file() else {}
+    found = kept.get("fingerprints", {}) if kept.get("state") == state else {}
+    if not found.keys() >= set(scripts):
+        found = {script: code_fingerprint(script, base=base) for script in scripts}
+        if os.access(store.parent.parent, os.W_OK):
+            store.parent.mkdir(exist_ok=True)
+            write_text(store, canonical_json({"state": state, "fingerprints": found}))
+    return {script: found[script] for script in scripts}
+
+
+def _contents(base: Path, scripts: Iterable[str]) -> dict[str, str]:
+    """Return the SHA-256 of all files of the packages and next to scripts, by path."""
+    folders = [PACKAGE_ROOT / name for name in PACKAGES]
+    folders += sorted({(base / script).parent for script in scripts})
+    paths = {path for folder in folders for path in folder.rglob("*") if path.is_file()}
+    kept = sorted(path for path in paths if "__pycache__" not in path.parts)
+    return {path.as_posix(): hash_file(path) for path in kept}
 
 
 def workflow_digest(files: Iterable[Path]) -> str:

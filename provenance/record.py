@@ -25,6 +25,7 @@ from tusqh.atomic import remove_leftovers, write_text
 from tusqh.errors import TusqhError
 from tusqh.geometry.packaged import PACKAGE, locate
 from tusqh.hashing import canonical_json, hash_file
+from tusqh.machine import peak_memory
 
 #: The two outputs of each rule that hold its record.
 RECORD_OUTPUTS = ("record", "record_how")
@@ -76,6 +77,7 @@ def recorded(snakemake: Any) -> Iterator[logging.Logger]:
         "seconds_of_recording": round(time.perf_counter() - done, 3),
         # Of the whole process, with its imports and the processes that it started.
         "processor_seconds": round(sum(os.times()[:4]), 3),
+        "peak_mb": round(peak_memory() / 1e6),
     }
     write_text(Path(snakemake.output.record), canonical_json(what))
     write_text(Path(snakemake.output.record_how), canonical_json(how))

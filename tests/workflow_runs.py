@@ -11,8 +11,9 @@ SNAKEFILE = Path(__file__).resolve().parent.parent / "Snakefile"
 def start(folder, *arguments, snakefile=SNAKEFILE, cores=2, **environment):
     """Start snakemake in a folder, in a separate session that can be killed as a whole."""
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile)]
+    command += [] if cores is None else ["--cores", str(cores)]
     return subprocess.Popen(
-        [*command, "--cores", str(cores), *arguments],
+        [*command, *arguments],
         cwd=folder,
         env=os.environ | environment,
         stdout=subprocess.PIPE,

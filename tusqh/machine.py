@@ -1,9 +1,10 @@
-"""Measure the memory that this machine can still give to a process."""
+"""Measure the memory that this process uses, and that the machine can still give to it."""
 
 from __future__ import annotations
 
 import os
 import resource
+import sys
 from pathlib import Path
 
 _MEMORY_INFO = Path("/proc/meminfo")
@@ -35,3 +36,11 @@ def available_memory() -> int:
     if address_space != resource.RLIM_INFINITY:
         limits.append(address_space)
     return max(min(limits), 0)
+
+
+def peak_memory() -> int:
+    """Return the number of bytes of memory that this process, or a process it ran, had at most."""
+    peaks = [
+        resource.getrusage(w).ru_maxrss for w in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    ]
+    return max(peaks) * (1 if sys.platform == "darwin" else 1024)

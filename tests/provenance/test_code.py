@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from provenance import code
-from provenance.code import code_files, code_fingerprint
+from provenance.code import code_files, code_fingerprint, code_fingerprints
 
 SCRIPT = "scripts/step.py"
 FILES = {
@@ -68,9 +68,24 @@ def test_a_name_made_on_demand_brings_what_it_needs(project):
     ],
 )
 def test_what_moves_the_fingerprint(project, file, text, moves):
+    scripts, store = [SCRIPT, "tusqh/lazy.py"], project / "provenance/__pycache__/store.json"
+    store.parent.parent.mkdir()
     before = code_fingerprint(SCRIPT, base=project)
+    assert code_fingerprints(scripts, base=project, store=store)[SCRIPT] == before
     (project / file).write_text(text)
-    assert (code_fingerprint(SCRIPT, base=project) != before) == moves
+    after = code_fingerprint(SCRIPT, base=project)
+    assert (after != before) == moves
+    # Those kept in a file follow the code too, also that of modules next to scripts.
+    kept = code_fingerprints(scripts, base=project, store=store)
+    assert kept == {SCRIPT: after, scripts[1]: code_fingerprint(scripts[1], base=project)}
+
+
+def test_fingerprints_of_unchanged_code_are_read(project, monkeypatch):
+    store = project / "provenance/__pycache__/store.json"
+    store.parent.parent.mkdir()
+    first = code_fingerprints([SCRIPT], base=project, store=store)
+    monkeypatch.setattr(code, "code_files", lambda *_, **__: pytest.fail("computed again"))
+    assert code_fingerprints([SCRIPT], base=project, store=store) == first
 
 
 def test_every_module_that_a_script_really_imports_is_in_its_closure(repository):

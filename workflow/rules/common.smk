@@ -24,9 +24,9 @@ from tusqh.compiled import compile_functions, is_compiled, write_bytecode
 from tusqh.errors import TusqhError
 from tusqh.files import RESULT_FILES
 from tusqh.geometry.packaged import PACKAGE
-from tusqh.readers.formats import dimension_of, find_format
+from tusqh.readers.formats import FORMATS, dimension_of, find_format
 from provenance.claims import load_claims
-from provenance.code import code_fingerprint, list_code
+from provenance.code import code_fingerprints, list_code
 from tusqh.quality.system_libraries import describe_missing
 from tusqh.settings.effect import find_without_effect
 from tusqh.settings.load import load_config
@@ -172,7 +172,7 @@ def all_geometries():
 def reader_of(wildcards):
     """Return the fingerprint of the module that reads a model's format."""
     reader = find_format(GEOMETRY[wildcards.model]).module
-    return code_fingerprint(f"tusqh/readers/{reader}.py", base=BASE)
+    return FINGERPRINTS[f"tusqh/readers/{reader}.py"]
 
 
 def diffusivities_of(wildcards):
@@ -199,7 +199,7 @@ def first_geometry_of(wildcards):
 def readers_of_materials(wildcards):
     """Return the fingerprints of the modules that read the formats of several materials."""
     readers = {find_format(f).module for f in ASSEMBLIES[wildcards.model].files}
-    return [code_fingerprint(f"tusqh/readers/{reader}.py", base=BASE) for reader in sorted(readers)]
+    return [FINGERPRINTS[f"tusqh/readers/{reader}.py"] for reader in sorted(readers)]
 
 
 def source_of(path):

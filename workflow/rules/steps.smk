@@ -4,11 +4,17 @@
 # This file comes last, when all rules are known.
 STEPS = [r for r in workflow.modifier.rules if r.script and Path(r.snakefile).is_relative_to(BASE)]
 CODE_OF_STEP = {step: f"workflow/scripts/{Path(step.script).name}" for step in STEPS}
+LISTS_OF_CODE = Path("results/provenance/code")
+FINGERPRINTS = code_fingerprints(
+    [*CODE_OF_STEP.values(), *[f"tusqh/readers/{form.module}.py" for form in FORMATS]],
+    base=BASE,
+    store=BASE / "provenance/__pycache__/fingerprints.json",
+)
 
 for step, code_file in CODE_OF_STEP.items():
     record, log_file = record_of(step)
     step.set_output(record=f"{record}.json", record_how=f"{record}.how.json")
-    step.set_params(code=code_fingerprint(code_file, base=BASE))
+    step.set_params(code=FINGERPRINTS[code_file])
     step.log_modifier = step.output_modifier
     step.set_log(log_file)
     step.conda_env = os.fspath(BASE / "environment.yml")
@@ -30,6 +36,7 @@ onstart:
         logger.info("compiling functions, which only the first run after an installation does (a minute)")
         compile_functions()
     for code_file in sorted(set(CODE_OF_STEP.values())):
-        list_code(code_file, base=BASE, folder=Path("results/provenance/code"))
+        if not (LISTS_OF_CODE / f"{FINGERPRINTS[code_file]['sha256']}.json").exists():
+            list_code(code_file, base=BASE, folder=LISTS_OF_CODE)
     if many_steps_here():
         serve_steps()

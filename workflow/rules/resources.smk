@@ -1,0 +1,66 @@
+# The memory and time that a step may take, for clusters and for `--resources mem_mb=8000` on one machine:
+# at least twice what the records of the default configuration state, and more with the cells of the
+# model's grid. A step that is killed for one of them is tried again with as much more, see ../../profiles/slurm.
+import math
+
+from snakemake.resources import Resources
+
+from tusqh.sampling.memory import estimate_memory
+
+# Megabytes and minutes of a step of a small model: libraries, and the allowance of the scheduler.
+SMALLEST = 1500, 10
+# Multiples of the memory that `tusqh.mesh` needs, and minutes for a million cells of the grid, where
+# steps differ from the others.
+MEMORY_OF_RULES = {"simulate": 4, "simulate_materials": 4, "materials": 3, "suitability": 8, "peer": 4}
+MINUTES_OF_RULES = {
+    **dict.fromkeys(["sweep_2d", "sweep_3d", "figures_of_outline", "figures_of_solid"], 10),
+    **dict.fromkeys(["simulate", "simulate_materials", "suitability", "materials", "peer"], 30),
+}
+# Minutes of steps over all models, of which the grids are fixed or small.
+MINUTES_ALONE = {"theorem_plane": 30, "theorem_space": 30, "gap_meshes": 30, "slow_tests": 240, "placements": 60}
+
+
+def cells_of(model, dimension):
+    """Return about how many cells the grid of a model has, at most where it is given by `cells`."""
+    grid, window = model.settings.grid, model.settings.window
+    if grid.cell_size is not None:
+        # The box of a geometry is not known before it is read.
+        lower, upper = window.box if window else ([0] * dimension, [100 * grid.cell_size] * dimension)
+        return math.prod(math.ceil((b - a) / grid.cell_size) for a, b in zip(lower, upper))
+    cells = grid.cells or 64
+    return math.prod(cells) if isinstance(cells, tuple) else cells**dimension
+
+
+def memory_of(rule):
+    """Return the function that gives a rule its megabytes."""
+
+    def memory(wildcards, attempt):
+        smallest = SMALLEST[0] * attempt
+        if "model" not in wildcards.keys():
+            return smallest
+        model = SETTINGS.models[wildcards.model]
+        dimension = dimension_of(model.files[0])
+        n_cells = cells_of(model, dimension)
+        needed = estimate_memory(n_cells, n_cells, dim=dimension) * MEMORY_OF_RULES.get(rule, 1)
+        return smallest + attempt * math.ceil(1.3 * needed / 1e6)
+
+    return memory
+
+
+def minutes_of(rule):
+    """Return the function that gives a rule its minutes."""
+
+    def minutes(wildcards, attempt):
+        if "model" not in wildcards.keys():
+            return attempt * MINUTES_ALONE.get(rule, SMALLEST[1])
+        model = SETTINGS.models[wildcards.model]
+        millions = cells_of(model, dimension_of(model.files[0])) / 1e6
+        return attempt * math.ceil(MINUTES_ALONE.get(rule, SMALLEST[1]) + MINUTES_OF_RULES.get(rule, 3) * millions)
+
+    return minutes
+
+
+for step in workflow.modifier.rules:
+    if Path(step.snakefile).is_relative_to(BASE) and (step.script or step.shellcmd):
+        needs = {"mem_mb": memory_of(step.name), "runtime": minutes_of(step.name)}
+        step.resources.update(Resources.from_mapping(needs))
