@@ -18,6 +18,7 @@ rule all:
         "results/tables/summary.md",
         "results/tables/verification.csv",
         "results/tables/verdicts.csv",
+        "results/tables/fit.csv",
         "results/tables/claims.csv",
         [figure for model in MODELS for figure in figures_of(model)],
         *files_of_all_models(*EXPORTS, "simulation", "defects", "explorer").values(),
@@ -32,6 +33,7 @@ rule all:
 rule models:
     input:
         *files_of_all_models("mesh", "certificate", "verdict", "explorer", *EXPORTS).values(),
+        *files_of_fitted_models("fitted", "fit").values(),
         *files_of_assemblies("mesh", "certificate", "verdict", "explorer", *EXPORTS).values(),
 
 

@@ -62,7 +62,12 @@ def render_page(rules: list[Any]) -> str:
         readers = [
             r.name
             for r in rules
-            if r.script and any(isinstance(i, str) and path.fullmatch(str(i)) for i in r.input)
+            if r.script
+            and any(
+                getattr(i, "reads", None) == file.name
+                or (isinstance(i, str) and path.fullmatch(str(i)))
+                for i in r.input
+            )
         ]
         cells = [f"`{file.name}`", f"`{file.path}`", file.sentence]
         cells += [", ".join(f"`{name}`" for name in sorted(names)) for names in (writers, readers)]

@@ -284,6 +284,9 @@ _USES = (
 )
 
 _FIGURES = (
+    ResultFile(
+        "figure_fit", "figures/fit.png", "the model, its staircase and its fitted mesh, with `fit`"
+    ),
     ResultFile("figure_field", "figures/field.png", "the volume fractions of an outline"),
     ResultFile("figure_thresholds", "figures/thresholds.png", "an outline at three thresholds"),
     ResultFile("figure_panels", "figures/panels.png", "a solid at every threshold of the sweep"),
@@ -314,5 +317,21 @@ TABLES_OF_ALL_MODELS = (
         "tables/verdicts.csv",
         "the volume of every mesh against its reference, the warnings and the verdict",
         _columns("model file reference reference_volume volume volume_ratio warnings verdict"),
+    ),
+    ResultFile(
+        "fit_table",
+        "tables/fit.csv",
+        "with `fit`: quality, distances in cells and topology of every fitted mesh",
+        _columns(
+            "model dimension grid elements min_scaled_jacobian share_below_0_3",
+            "mean_distance p99_distance max_distance surface_mean_distance volume_error",
+            "self_intersections betti_same fell_back trusted",
+        ),
+    ),
+    ResultFile(
+        "fit_timing",
+        "tables/fit_timing.csv",
+        "with `fit`: what every fit took, which differs from run to run",
+        _columns("model seconds peak_gb"),
     ),
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import resource
 import sys
+import time
 from pathlib import Path
 
 _MEMORY_INFO = Path("/proc/meminfo")
@@ -44,3 +45,21 @@ def peak_memory() -> int:
         resource.getrusage(w).ru_maxrss for w in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
     ]
     return max(peaks) * (1 if sys.platform == "darwin" else 1024)
+
+
+class Stopwatch:
+    """A measurement of the time and the memory that a step takes, from now on."""
+
+    def __init__(self) -> None:
+        self._began = time.perf_counter()
+
+    def read(self) -> dict[str, float]:
+        """Return the seconds since the start, and the peak memory of the whole process.
+
+        Returns
+        -------
+        dict of float
+            `seconds`, and `peak_gb` in units of 2^30 bytes.
+        """
+        seconds = time.perf_counter() - self._began
+        return {"seconds": round(seconds, 3), "peak_gb": round(peak_memory() / 2**30, 3)}

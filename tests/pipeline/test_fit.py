@@ -12,7 +12,7 @@ from tusqh.cli.app import app
 from tusqh.errors import ConfigError, MeshError
 from tusqh.files import path_of
 from tusqh.meshes.export import read_vtu, write_vtu
-from tusqh.pipeline.fit import load_fit, with_fit
+from tusqh.pipeline.fit import load_fit, read_facts
 from tusqh.settings.model import Model
 
 TURNS = np.linspace(0, 2 * np.pi, 97)[:-1]
@@ -63,7 +63,7 @@ def test_the_files_are_those_of_the_map_and_both_meshes_pass_the_check(folder):
         code, said = check(path_of(name, folder))
         assert code == 0, said
     assert "record of the fit: distances" in said
-    facts = with_fit(json.loads(path_of("facts", folder).read_text()), folder)
+    facts = read_facts(path_of("facts", folder), path_of("fit", folder))
     assert facts["elements"] == read_vtu(path_of("fitted", folder)).n_cells
 
 

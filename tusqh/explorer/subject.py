@@ -123,6 +123,7 @@ def read_subject(
     unit: str = "m",
     up: Axis | None = None,
     settings: Settings | None = None,
+    fitted: bool | None = None,
 ) -> Subject:
     """Return the subject in a result folder, which has the model's name.
 
@@ -138,6 +139,8 @@ def read_subject(
         Axis that points up; None: as the format has it.
     settings
         How the model is meshed; None: the settings that the folder records.
+    fitted
+        Whether to show the fitted mesh; None: if the folder has one.
 
     Raises
     ------
@@ -153,6 +156,8 @@ def read_subject(
             expected="the results of a model, with " + ", ".join(p.name for p in paths.values()),
             remedy="make it with the workflow, or with tusqh mesh GEOMETRY --results FOLDER",
         )
+    if fitted is None:
+        fitted = path_of("fitted", folder).is_file()
     name = folder.resolve().name
     chosen: dict[str, Any] = json.loads(paths["selection"].read_text(encoding="utf-8"))
     fractions = load_fractions(paths["fractions"])
@@ -174,7 +179,7 @@ def read_subject(
         topologies=pd.read_csv(paths["topologies"]),
         diagram=pd.read_csv(paths["diagram"]),
         selection=Selection.from_dict(chosen),
-        mesh=read_vtu(paths["mesh"], name=name),
+        mesh=read_vtu(path_of("fitted", folder) if fitted else paths["mesh"], name=name),
         tables={table: pd.read_csv(paths[table]) for table in TABLES_SHOWN},
     )
 

@@ -20,6 +20,9 @@ LINK_TITLES = {
     "simulation": "simulation (ParaView)",
 }
 
+#: Further files of a model whose boundary is fitted.
+LINK_TITLES_OF_FIT = {"fitted": "fitted mesh (VTU)", "fit": "record of the fit"}
+
 #: The same files and titles for a model of several materials.
 FILES_READ_OF_MATERIALS = ("certificate", "materials", "pairs", "verdict", "verification")
 LINK_TITLES_OF_MATERIALS = {

@@ -14,8 +14,10 @@ from tusqh.files import path_of
 from tusqh.geometry.packaged import locate
 from tusqh.geometry.remark import Remark
 from tusqh.hashing import hash_file
-from tusqh.overview.files_read import FILES_READ, LINK_TITLES
+from tusqh.overview.files_read import FILES_READ, LINK_TITLES, LINK_TITLES_OF_FIT
 from tusqh.pipeline.describe_reading import lines_of_reading
+from tusqh.pipeline.fit import read_facts
+from tusqh.quality.fit_checks import describe_fit
 from tusqh.quality.verdict import compare_volumes, describe_changes, describe_contacts, overall
 from tusqh.threshold.within_interval import describe_extent
 
@@ -64,6 +66,7 @@ def read_model(
     figures: Sequence[Path] = (),
     links: Mapping[str, Path] | None = None,
     register: pd.DataFrame | None = None,
+    fitted: bool = False,
 ) -> ModelEntry:
     """Return the overview's entry for a model.
 
@@ -79,6 +82,8 @@ def read_model(
         Other files to link to, by title; by default the files in `LINK_TITLES`.
     register
         The data register, if there is one.
+    fitted
+        Whether its mesh is fitted.
 
     Returns
     -------
@@ -91,12 +96,13 @@ def read_model(
         A file named in `FILES_READ` is missing.
     """
     certificate = json.loads(path_of("certificate", folder).read_text("utf-8"))
-    facts = json.loads(path_of("facts", folder).read_text("utf-8"))
+    facts = read_facts(path_of("facts", folder), path_of("fit", folder) if fitted else None)
     reading = json.loads(path_of("reading", folder).read_text("utf-8"))
     tables = {name: pd.read_csv(path_of(name, folder)) for name in FILES_READ[3:]}
     verdict, verification = tables["verdict"], tables["verification"]
     if links is None:
-        links = {title: path_of(name, folder) for name, title in LINK_TITLES.items()}
+        titles = LINK_TITLES | (LINK_TITLES_OF_FIT if fitted else {})
+        links = {title: path_of(name, folder) for name, title in titles.items()}
     chosen, measured = certificate["selection"], certificate["measured"]["euler"]
     n_holding = int(verification["holds"].sum())
     is_suitable = not (verdict["holds"] == "no").any()
@@ -113,6 +119,7 @@ def read_model(
         "mesh": f"{facts['elements']:,} {kind} of {facts['grid']} cells, "
         f"{describe_contacts(facts)}, "
         f"volume {compare_volumes(facts)}",
+        **describe_fit(facts),
         **describe_changes(facts),
         "verdict": overall(verdict),
         "every threshold": f"{n_holding} of {len(verification)} as predicted",

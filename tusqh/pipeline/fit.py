@@ -15,7 +15,6 @@ import pandas as pd
 from tusqh import __version__
 from tusqh.atomic import write_text
 from tusqh.errors import MeshError
-from tusqh.files import path_of
 from tusqh.fitting import Fitted, fit_mesh
 from tusqh.fitting.distances import measure_distances
 from tusqh.fitting.fitted import FELL_BACK_COLUMNS
@@ -252,18 +251,18 @@ def load_fit(path: Path) -> dict[str, Any]:
     return stored
 
 
-def with_fit(facts: dict[str, Any], folder: Path) -> dict[str, Any]:
+def read_facts(facts: Path, fit: Path | None = None) -> dict[str, Any]:
     """Return the facts about the mesh that is used: of the fitted one, if there is one.
 
     Parameters
     ----------
     facts
         The facts about the staircase.
-    folder
-        Folder of the model's results.
+    fit
+        The record of its fit; None: the staircase is used.
     """
-    path = path_of("fit", folder)
-    return facts | load_fit(path)["facts"] if path.is_file() else facts
+    found = dict(json.loads(facts.read_text("utf-8")))
+    return found if fit is None else found | load_fit(fit)["facts"]
 
 
 def _wrong(path: Path, found: str) -> MeshError:

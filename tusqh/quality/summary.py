@@ -56,6 +56,42 @@ def summarise_model(
     }
 
 
+def summarise_fit(
+    facts: dict[str, Any], fit: dict[str, Any], verdict: pd.DataFrame
+) -> dict[str, Any]:
+    """Return one row of the table of fitted meshes.
+
+    Parameters
+    ----------
+    facts
+        The facts that the mesh step wrote about the staircase.
+    fit
+        The record of its fit, see `tusqh.pipeline.fit.Fit.record`.
+    verdict
+        The checks of the fitted mesh.
+
+    Returns
+    -------
+    row
+        Distances in cells; the error of the volume is NaN if the volume of the geometry is unknown,
+        and the number of self-intersections if pymeshlab did not run.
+    """
+    of_fit, measured = fit["facts"], fit["measured"]
+    reference = facts.get("reference_volume") or float("nan")
+    found = dict(zip(verdict["id"], verdict["found"], strict=True))
+    crossing = str(found.get("pymeshlab_self_intersecting_faces", ""))
+    return {
+        "model": facts["model"],
+        "dimension": facts["dimension"],
+        "grid": facts["grid"],
+        "elements": of_fit["elements"],
+        **of_fit["fit"],
+        "volume_error": of_fit["volume"] / reference - 1,
+        "self_intersections": int(crossing) if crossing.isdecimal() else float("nan"),
+        "betti_same": measured["euler"] == measured["boundary"] == facts["betti_measured"],
+    }
+
+
 def summarise_materials(
     materials: pd.DataFrame,
     verification: pd.DataFrame,

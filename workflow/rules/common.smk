@@ -77,6 +77,8 @@ ASSEMBLIES = {name: m for name, m in SETTINGS.models.items() if m.has_several_ma
 # Models of several materials that have diffusivities of their own are simulated.
 SIMULATED = [n for n, m in ASSEMBLIES.items() if any(p.diffusivity for p in m.list_of_materials)]
 NAMES_OF_ASSEMBLIES = "|".join(ASSEMBLIES) or "(?!)"
+# Models whose boundary is fitted; later steps take the fitted mesh.
+FITTED = [name for name, model in MODELS.items() if model.settings.fitting.fit]
 GEOMETRY = {name: model.geometry for name, model in MODELS.items()}
 DIMENSION = {name: dimension_of(geometry) for name, geometry in GEOMETRY.items()}
 SOLIDS = [name for name, dimension in DIMENSION.items() if dimension == 3]
@@ -118,6 +120,22 @@ def shown(*names):
         name: report(path, f"../report/{name.removeprefix('figure_')}.rst", category="{model}")
         for name, path in files(*names).items()
     }
+
+
+def of_fitted(name):
+    """Return a function that gives a rule a file of the fit, in a list; empty without a fit."""
+
+    def file_of(wildcards):
+        is_fitted = wildcards.model in FITTED
+        return expand(files(name)[name], model=wildcards.model) if is_fitted else []
+
+    file_of.reads = name
+    return file_of
+
+
+def files_of_fitted_models(*names):
+    """Return files of all fitted models by name."""
+    return {name: expand(path, model=FITTED) for name, path in files(*names).items()}
 
 
 def sweep_meshes(dimension):
@@ -214,7 +232,8 @@ def any_of(dimension):
 
 def figures_of(model):
     """Return the figures of a model, which depend on its dimension."""
-    return [f"results/{model}/figures/{figure}.png" for figure in FIGURES[DIMENSION[model]]]
+    figures = [*(["fit"] if model in FITTED else []), *FIGURES[DIMENSION[model]]]
+    return [f"results/{model}/figures/{figure}.png" for figure in figures]
 
 
 def record_of(step):

@@ -5,6 +5,7 @@ from tusqh.explorer.files_read import FILES_READ as FILES_OF_EXPLORER
 rule explorer:
     input:
         **files(*FILES_OF_EXPLORER),
+        fitted=of_fitted("fitted"),
     output:
         **files("explorer"),
     params:

@@ -26,6 +26,7 @@ rule figures_of_outline:
 rule figures_of_solid:
     input:
         **files("geometry", "mesh", "verification", "amount"),
+        fitted=of_fitted("fitted"),
         meshes=sweep_meshes(3),
         snapshots=snapshots(),
     output:
@@ -38,6 +39,21 @@ rule figures_of_solid:
         up=settings_of("up"),
     script:
         "../scripts/figures_of_solid.py"
+
+
+rule figure_fit:
+    input:
+        **files("geometry", "mesh", "fitted"),
+    output:
+        **shown("figure_fit"),
+    wildcard_constraints:
+        model="|".join(FITTED) or "(?!)",
+    params:
+        geometry=settings_of("geometry"),
+        unit=settings_of("unit"),
+        up=settings_of("up"),
+    script:
+        "../scripts/figure_fit.py"
 
 
 rule figure_method:

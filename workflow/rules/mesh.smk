@@ -41,9 +41,31 @@ use rule sweep_2d as sweep_3d with:
         thresholds=SWEEP[3],
 
 
+# Move the boundary of a mesh onto the geometry; the staircase stays as mesh.vtu.
+rule fit:
+    input:
+        **files("geometry", "fractions", "selection", "mesh", "facts"),
+    output:
+        **files("fitted", "fit"),
+        **shown("distances", "unfitted"),
+        timing="results/{model}/fit_timing.csv",
+    wildcard_constraints:
+        model="|".join(FITTED) or "(?!)",
+    params:
+        grid=settings_of("grid"),
+        window=settings_of("window"),
+        sampling=settings_of("sampling"),
+        quality=settings_of("quality"),
+        threshold=threshold_of_placement,
+    priority: MODELS_FIRST
+    script:
+        "../scripts/fit.py"
+
+
 rule export:
     input:
         **files("mesh"),
+        fitted=of_fitted("fitted"),
     output:
         **files(*EXPORTS),
     priority: MODELS_FIRST

@@ -15,7 +15,8 @@ rule overview:
             *[figure for model in MODELS for figure in figures_of(model)],
             *files_of_assemblies("figure_materials")["figure_materials"],
         ],
-        tables=["results/tables/summary.csv", "results/tables/claims.csv"],
+        fits=[path for paths in files_of_fitted_models("fit", "fitted").values() for path in paths],
+        tables=["results/tables/summary.csv", "results/tables/fit.csv", "results/tables/claims.csv"],
         shared=["results/figures/pinches.png"],
         register=register_if_there(),
     output:
@@ -23,6 +24,7 @@ rule overview:
     params:
         models={name: list(model.files) for name, model in SETTINGS.models.items()},
         of_materials=list(ASSEMBLIES),
+        fitted=FITTED,
         captions=captions(),
     script:
         "../scripts/overview.py"

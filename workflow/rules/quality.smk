@@ -1,6 +1,8 @@
 rule quality:
     input:
         **files("mesh", "facts"),
+        fitted=of_fitted("fitted"),
+        fit=of_fitted("fit"),
     output:
         **shown("elements", "verdict"),
     params:

@@ -1,6 +1,7 @@
 rule simulate:
     input:
         **files("mesh"),
+        fitted=of_fitted("fitted"),
     output:
         **files("simulation"),
         snapshots=snapshots(),

@@ -13,6 +13,7 @@ with recorded(snakemake) as log:
         geometry=snakemake.params.geometry,
         unit=snakemake.params.unit,
         up=snakemake.params.up,
+        fitted=bool(snakemake.input.fitted),
         settings=Settings.from_dict(snakemake.params.settings),
     )
     text = make_page(subject)

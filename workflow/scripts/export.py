@@ -5,7 +5,7 @@ from tusqh.meshes.export import read_regions, read_vtu
 from tusqh.meshes.formats import write_mesh
 
 with recorded(snakemake) as log:
-    source = Path(snakemake.input.mesh)
+    source = Path([snakemake.input.mesh, *snakemake.input.fitted][-1])
     mesh, regions = read_vtu(source, name=snakemake.wildcards.model), read_regions(source)
     exports = [path for name, path in snakemake.output.items() if name.startswith("export_")]
     for path in exports:

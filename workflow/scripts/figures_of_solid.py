@@ -24,7 +24,7 @@ with recorded(snakemake) as log:
     thresholds = rows["threshold"].tolist()
     panels = draw_panels(geometry, meshes, thresholds, name=name, unit=unit, up=up)
     style.save(panels, Path(snakemake.output.figure_panels))
-    mesh = read_vtu(Path(snakemake.input.mesh))
+    mesh = read_vtu(Path([snakemake.input.mesh, *snakemake.input.fitted][-1]))
     sections = draw_sections(geometry, mesh, name=name, unit=unit)
     style.save(sections, Path(snakemake.output.figure_section))
     snapshots = [read_snapshot(Path(path)) for path in snakemake.input.snapshots]

@@ -20,7 +20,8 @@ with recorded(snakemake) as log:
         if name in snakemake.params.of_materials:
             models.append(read_materials_model(folder, geometries=files, **shown))
         else:
-            models.append(read_model(folder, geometry=files[0], **shown))
+            is_fitted = name in snakemake.params.fitted
+            models.append(read_model(folder, geometry=files[0], fitted=is_fitted, **shown))
     log.info("%d of %d models hold", sum(model.holds for model in models), len(models))
     text = render_overview(
         page,

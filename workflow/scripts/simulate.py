@@ -9,7 +9,7 @@ from tusqh.simulate.snapshots import write_snapshots
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
-    source = Path(snakemake.input.mesh)
+    source = Path([snakemake.input.mesh, *snakemake.input.fitted][-1])
     simulation = Simulation.from_dict(snakemake.params.simulation)
     mesh = read_vtu(source, name=snakemake.wildcards.model)
     by_name = snakemake.params.diffusivities

@@ -1,17 +1,20 @@
-import json
 from pathlib import Path
 
 import pandas as pd
 
 from provenance.record import recorded
+from tusqh.pipeline.fit import read_facts
 from tusqh.quality.summary import summarise_materials, summarise_model
 from tusqh.tables import write_csv, write_markdown
 
 with recorded(snakemake) as log:
     given = snakemake.input
     kinds = ("facts", "verdict", "amount", "defects")
+    fits = {Path(path).parent: [Path(path)] for path in given.fits}
     rows = [
-        summarise_model(json.loads(Path(facts).read_text()), *map(pd.read_csv, tables))
+        summarise_model(
+            read_facts(Path(facts), *fits.get(Path(facts).parent, [])), *map(pd.read_csv, tables)
+        )
         for facts, *tables in zip(*(given[kind] for kind in kinds), strict=True)
     ]
     amounts = {Path(path).parents[1]: pd.read_csv(path) for path in given.assembly_amount}

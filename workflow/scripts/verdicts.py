@@ -1,15 +1,17 @@
-import json
 from pathlib import Path
 
 import pandas as pd
 
 from provenance.record import recorded
+from tusqh.pipeline.fit import read_facts
 from tusqh.quality.summary import facts_of_materials, summarise_verdict
 from tusqh.tables import write_csv
 
 with recorded(snakemake) as log:
     given, params = snakemake.input, snakemake.params
-    facts = [json.loads(Path(path).read_text()) for path in given.facts]
+    fits = {Path(path).parent: [Path(path)] for path in given.fits}
+    paths = map(Path, given.facts)
+    facts = [read_facts(path, *fits.get(path.parent, [])) for path in paths]
     facts += [
         facts_of_materials(Path(path).parent.name, pd.read_csv(path))
         for path in given.assembly_materials
