@@ -111,8 +111,8 @@ def _draw_solid(
     geometry: Soup | Image, staircase: VolumeMesh, fitted: VolumeMesh, up: Axis
 ) -> Figure:
     box = geometry.bounding_box()
-    figure, axes = style.new_figure(2, 2, width=12.0, height=10.6)
-    panels, size = axes.ravel(), (1350, 1180)
+    figure, axes = style.new_figure(2, 2, width=12.0, height=8.8)
+    panels, size = axes.ravel(), (1350, 930)
     show(panels[0], render(polydata_of(geometry), box, up=up, size=size, color=_MODEL), "the model")
     edges = EDGES if fitted.n_cells < EDGES_BELOW else {}
     for panel, mesh, title in zip(
@@ -122,7 +122,8 @@ def _draw_solid(
         show(panel, render(surface, box, up=up, size=size, color=style.MATERIAL, **edges), title)
     surface = _surface(fitted, fitted.jacobians.scaled)
     look: dict[str, Any] = {"scalars": "quality", "cmap": _QUALITY, "clim": (0.0, 1.0)}
-    picture = render(surface, box, up=up, size=size, **look, **edges)
+    # Little shade, so that a colour means the same on every side.
+    picture = render(surface, box, up=up, size=size, ambient=0.85, diffuse=0.2, **look, **edges)
     show(panels[3], picture, _titles(staircase, fitted)[2])
     _add_scale(figure, panels[3])
     return figure
