@@ -8,22 +8,30 @@ from __future__ import annotations
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 import tusqh
 from tusqh.figures import style
-from tusqh.figures.rendering import polydata_of, render, show, surface_of
+from tusqh.figures.rendering import (
+    EDGES,
+    grid_of,
+    polydata_of,
+    render,
+    show,
+    surface_of,
+    without_margins,
+)
 from tusqh.geometry.outline import Outline
 from tusqh.meshes.volume_mesh import VolumeMesh
 
 ROOT = Path(__file__).parent.parent
 FOLDER = Path(__file__).parent / "images"
-
-#: Look of the elements' edges in pictures of solids.
-_EDGES = {"show_edges": True, "edge_color": "#7090a0", "line_width": 0.3}
 
 
 def broken_ring() -> Outline:
@@ -55,7 +63,7 @@ def draw_betti_numbers() -> Figure:
         betti = result.report.measured
         surface = surface_of(_cut(result.mesh) if betti.betti_2 else result.mesh)
         box = solid.bounds
-        picture = render(surface, (box[0], box[1]), scalars="rgb", rgb=True, **_EDGES)
+        picture = render(surface, (box[0], box[1]), scalars="rgb", rgb=True, **EDGES)
         numbers = ", ".join(rf"$\beta_{k}$ = {number}" for k, number in enumerate(betti))
         show(panel, picture, f"{words}: {numbers}")
     return figure
@@ -120,10 +128,46 @@ def draw_bearing() -> Figure:
         (axes[0, 2], apart, f"{apart.built.facts['changed_cells']} cells changed"),
     ):
         half = surface_of(_cut(result.mesh))
-        picture = render(half, box, scalars="rgb", rgb=True, **_EDGES)
+        picture = render(half, box, scalars="rgb", rgb=True, **EDGES)
         betti = result.report.measured
         numbers = rf"$\beta_0$ = {betti.betti_0}, $\beta_1$ = {betti.betti_1}"
         show(panel, picture, f"{words}, cut open: {numbers}")
+    return figure
+
+
+def draw_fitted() -> Figure:
+    """Draw the dragon, the staircase and the fitted mesh, also cut open by the quality in it."""
+    result = tusqh.mesh(
+        ROOT / "data_sources/dragon/dragon.off", cells=56, betti=(1, 0, 0), fit=True
+    )
+    staircase, fitted, box = result.staircase, result.mesh, result.geometry.bounding_box()
+    half = grid_of(fitted).cell_quality("scaled_jacobian")
+    half = half.clip(normal="x", origin=np.mean(box, axis=0), crinkle=True)
+    blue: dict[str, Any] = {"color": style.MATERIAL} | EDGES
+    shaded: dict[str, Any] = {
+        "scalars": "scaled_jacobian",
+        "clim": (0, 1),
+        "lighting": False,
+        "cmap": "viridis",
+    }
+    drawn = [
+        (polydata_of(result.geometry), {"color": "#d9c9a3"}),
+        (surface_of(staircase), blue),
+        (surface_of(fitted), blue),
+        (half.extract_surface(algorithm=None), shaded | EDGES),
+    ]
+    pictures = without_margins([render(solid, box, up="y", **look) for solid, look in drawn])
+    words = (
+        f"an open surface, {len(result.geometry.triangles):,} triangles",
+        f"{staircase.n_cells:,} hexes: a staircase",
+        f"{fitted.n_cells:,} hexes, fitted",
+        "cut open",
+    )
+    figure, axes = style.new_figure(1, 4, width=13.0, height=3.9)
+    for panel, picture, text in zip(axes[0], pictures, words, strict=True):
+        show(panel, picture, text)
+    mappable = ScalarMappable(Normalize(0, 1), cmap="viridis")
+    figure.colorbar(mappable, ax=axes[0, 3], shrink=0.7, label="scaled Jacobian [-]")
     return figure
 
 
@@ -140,7 +184,7 @@ def draw_gallery() -> Figure:
     box = sand.geometry.bounding_box()
     picture = render(polydata_of(sand.geometry), box, color="#d9c9a3")
     show(axes[0, 0], picture, "voxels of sand in rock")
-    picture = render(surface_of(sand.mesh), box, scalars="rgb", rgb=True, **_EDGES)
+    picture = render(surface_of(sand.mesh), box, scalars="rgb", rgb=True, **EDGES)
     show(axes[0, 1], picture, f"one body of it: {sand.mesh.n_cells} hexes")
     panel = axes[0, 2]
     style.draw_polygons(
@@ -204,6 +248,7 @@ DRAWINGS = {
     "curves": draw_curves,
     "bearing": draw_bearing,
     "gallery": draw_gallery,
+    "fitted": draw_fitted,
 }
 
 

@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from tusqh.figures import style
-from tusqh.figures.rendering import EDGES, EDGES_BELOW, polydata_of, render, show, surface_of
+from tusqh.figures.rendering import (
+    EDGES,
+    EDGES_BELOW,
+    polydata_of,
+    render,
+    show,
+    surface_of,
+    without_margins,
+)
 from tusqh.geometry.image import Image
 from tusqh.geometry.soup import Soup
 from tusqh.geometry.upright import Axis
@@ -51,28 +60,18 @@ def draw_panels(
         size = f"{geometry.voxels.size:,} voxels"
     scale, unit = style.length_scale(max(np.subtract(*box[::-1])), unit)
     sides = " x ".join(f"{side / scale:.3g}" for side in np.subtract(*box[::-1]))
-    panels = axes.ravel()
-    picture = render(polydata_of(geometry), box, up=up, color="#d9c9a3")
-    show(panels[0], picture, f"the model: {size}, {sides} {unit}")
-    for panel, mesh, threshold in zip(panels[1:], meshes, thresholds, strict=False):
-        title = f"threshold {threshold:g}: "
-        if mesh is None:
-            panel.set_axis_off()
-            panel.set_title(title + "no cell", fontsize=9)
-            continue
-        betti = mesh.measurement.by_euler
-        numbers = ", ".join(rf"$\beta_{k}$ = {number}" for k, number in enumerate(betti))
-        picture = render(
-            surface_of(mesh),
-            box,
-            up=up,
-            scalars="rgb",
-            rgb=True,
-            **(EDGES if mesh.n_cells < EDGES_BELOW else {}),
-        )
-        show(panel, picture, title + numbers)
-    for panel in panels[len(meshes) + 1 :]:
+    pictures = [render(polydata_of(geometry), box, up=up, color="#d9c9a3")]
+    titles = [f"the model: {size}, {sides} {unit}"]
+    for mesh, threshold in zip(meshes, thresholds, strict=True):
+        titles.append(f"threshold {threshold:g}: {_numbers(mesh)}")
+        edges = EDGES if mesh is not None and mesh.n_cells < EDGES_BELOW else {}
+        look: dict[str, Any] = {"scalars": "rgb", "rgb": True, **edges}
+        solid = surface_of(mesh) if mesh is not None else None
+        pictures.append(render(solid, box, up=up, **look))
+    for panel in axes.ravel():
         panel.set_axis_off()
+    for panel, picture, title in zip(axes.ravel(), without_margins(pictures), titles, strict=False):
+        show(panel, picture, title)
     handles = [
         Patch(color=style.MATERIAL, label="grid cells"),
         Patch(color=style.CONNECTING, label="connecting templates"),
@@ -81,3 +80,10 @@ def draw_panels(
     figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
     figure.suptitle(f"{name} at rising thresholds")
     return figure
+
+
+def _numbers(mesh: VolumeMesh | None) -> str:
+    """Return the measured Betti numbers of a mesh as text."""
+    if mesh is None:
+        return "no cell"
+    return ", ".join(rf"$\beta_{k}$ = {n}" for k, n in enumerate(mesh.measurement.by_euler))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -134,7 +135,7 @@ def render(
     Parameters
     ----------
     surface
-        A pyvista surface.
+        A pyvista surface; None: an empty picture.
     box
         Lowest and highest corner of the box that the camera frames.
     up
@@ -154,7 +155,7 @@ def render(
     check_rendering()
     plotter: Any = pyvista.Plotter(off_screen=True, window_size=list(size), lighting="none")
     plotter.set_background("white")
-    if surface.n_cells:
+    if surface is not None and surface.n_cells:
         plotter.add_mesh(surface, show_scalar_bar=False, **(_LIGHT | look))
     low, high = np.asarray(box[0]), np.asarray(box[1])
     centre, extent = (low + high) / 2, float(np.linalg.norm(high - low))
@@ -175,6 +176,22 @@ def render(
     image = plotter.screenshot(return_img=True)
     plotter.close()
     return image
+
+
+def without_margins(pictures: Sequence[Any]) -> list[Any]:
+    """Return pictures of one size without the white margin that all of them have.
+
+    Parameters
+    ----------
+    pictures
+        The pictures, shape (height, width, 3) each, uint8.
+    """
+    is_drawn = np.any([(picture < 255).any(axis=2) for picture in pictures], axis=0)
+    if not is_drawn.any():
+        return list(pictures)
+    rows, columns = (np.flatnonzero(is_drawn.any(axis=axis)) for axis in (1, 0))
+    height, width = (slice(places[0], places[-1] + 1) for places in (rows, columns))
+    return [picture[height, width] for picture in pictures]
 
 
 def show(axes: Axes, image: Any, title: str) -> None:
