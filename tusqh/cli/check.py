@@ -40,7 +40,7 @@ def check(
     """
     from tusqh.certificate import FILE_NAME
     from tusqh.meshes.export import read_regions, read_vtu
-    from tusqh.pipeline.materials.certificate import check_materials
+    from tusqh.pipeline.materials.recheck import check_materials
     from tusqh.quality.verdict import overall
 
     volume_mesh = read_vtu(mesh)

@@ -3,7 +3,7 @@ rule materials:
     input:
         sources=sources_of_materials,
     output:
-        **files("mesh", "fractions", "elements", "verdict", "verification"),
+        **files("geometry", "mesh", "fractions", "elements", "verdict", "verification"),
         **shown("materials", "pairs", "certificate"),
     wildcard_constraints:
         model=NAMES_OF_ASSEMBLIES,

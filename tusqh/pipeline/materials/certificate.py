@@ -1,111 +1,155 @@
-"""Make the certificate of a mesh of several materials, and check it from the files alone."""
+"""Make and read the certificate of a mesh of several materials.
+
+`tusqh.pipeline.materials.recheck` recomputes it.
+"""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from importlib import resources
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
+import jsonschema
 import numpy as np
-import pandas as pd
 
 from tusqh import __version__
-from tusqh.certificate import FILE_NAME
-from tusqh.contacts import MaterialFractions, mesh_materials
+from tusqh.contacts import MaterialMesh, mesh_materials
 from tusqh.contacts.fractions_file import load_materials
 from tusqh.errors import MeshError
+from tusqh.files import path_of
 from tusqh.hashing import hash_file
-from tusqh.meshes.checks import Check
 from tusqh.meshes.export import read_regions, read_vtu
 from tusqh.meshes.measure_regions import RegionMeasurement
 from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
-from tusqh.pipeline.materials.judge import ALL, judge_all, judge_materials, measure_materials
+from tusqh.pipeline.materials.judge import (
+    ALL,
+    compare_volumes,
+    judge_materials,
+    measure_materials,
+    volumes_of_geometry,
+)
+from tusqh.pipeline.materials.original import MaterialsOriginal
+from tusqh.pipeline.original import to_warnings
 from tusqh.topology.betti_numbers import BettiNumbers
 
 #: Version of certificates of several materials; those of one material have whole numbers.
-VERSION = "materials 1"
+VERSION = "materials 2"
 
 
 def make_certificate(
-    mesh_file: Path, fractions_file: Path, thresholds: Mapping[str, float], *, name: str
+    folder: Path,
+    thresholds: Mapping[str, float],
+    *,
+    name: str,
+    volume_tolerance: float,
+    original: MaterialsOriginal | None = None,
 ) -> dict[str, Any]:
     """Return the certificate of a mesh, from its files as they were written.
 
     Parameters
     ----------
-    mesh_file, fractions_file
-        The mesh and the fractions it was made of, in one folder.
+    folder
+        Folder with the mesh, the fractions and, where there is an original, the geometry.
     thresholds
         Threshold of every material by name.
     name
         The model.
+    volume_tolerance
+        Largest relative difference between volumes that causes no warning.
+    original
+        The geometries; None: the fractions were given.
 
     Returns
     -------
     certificate
-        Digests of both files, and for every material and all together the threshold, the predicted
-        and the measured Betti numbers, and whether they agree.
+        See `tusqh/certificate_of_materials.schema.json`.
     """
-    mesh, regions = read_materials(mesh_file)
+    mesh, regions = read_materials(path_of("mesh", folder))
     measured = measure_materials(mesh, regions)
-    predicted = _predict(load_materials(fractions_file), thresholds)
-    checks = judge_materials(mesh, measured, predicted)
-    return {
+    fractions = load_materials(path_of("fractions", folder))
+    built = mesh_materials(fractions, thresholds=thresholds)
+    predicted = predict(built)
+    volumes = volumes_of_geometry(fractions)
+    certificate = {
         "certificate": VERSION,
         "model": name,
         "tusqh": __version__,
-        "mesh": {"file": mesh_file.name, "sha256": hash_file(mesh_file)},
-        "fractions": {"file": fractions_file.name, "sha256": hash_file(fractions_file)},
+        "mesh": _digest(path_of("mesh", folder)),
+        "fractions": _digest(path_of("fractions", folder)),
         "thresholds": dict(thresholds),
-        "predicted": {name: list(betti) for name, betti in predicted.items()},
-        "measured": _measured(measured),
+        "volume_tolerance": volume_tolerance,
+        **claims_of_fractions(built),
+        **claims_of_mesh(mesh, measured, predicted),
+        "warnings": to_warnings(compare_volumes(measured, volumes, volume_tolerance)),
+    }
+    if original is not None:
+        certificate["geometry"] = _digest(path_of("geometry", folder))
+        certificate["settings"] = original.to_dict()
+    jsonschema.validate(certificate, materials_schema())
+    return certificate
+
+
+def claims_of_mesh(
+    mesh: VolumeMesh,
+    measured: Mapping[str, RegionMeasurement],
+    predicted: Mapping[str, BettiNumbers],
+) -> dict[str, Any]:
+    """Return the claims of a certificate about the mesh alone.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    measured
+        See `tusqh.pipeline.materials.judge.measure_materials`.
+    predicted
+        Betti numbers that every material and all together must have.
+    """
+    checks = judge_materials(mesh, measured, predicted)
+    return {
+        "measured": {
+            name: {
+                "euler": list(found.by_euler),
+                "boundary": list(found.by_boundary),
+                "non_manifold_points": found.n_non_manifold,
+                "elements": found.n_cells,
+            }
+            for name, found in measured.items()
+        },
         "holds": all(check.holds for check in checks),
     }
 
 
-def check_materials(mesh_file: Path, *, checks: Literal["all"] | None = None) -> pd.DataFrame:
-    """Return the checks of a mesh file of several materials, and of the certificate beside it.
+def claims_of_fractions(built: MaterialMesh) -> dict[str, Any]:
+    """Return the claims of a certificate about the fractions, before meshing.
 
     Parameters
     ----------
-    mesh_file
-        A VTU file with materials.
-    checks
-        Whether other programs check large meshes too, see `tusqh.settings.quality.Quality`.
-
-    Returns
-    -------
-    verdict
-        One row per check, see `tusqh.quality.verdict.to_table`.
-
-    Raises
-    ------
-    MeshError
-        The mesh or its certificate cannot be read.
+    built
+        What `tusqh.contacts.mesh_materials` makes of the fractions.
     """
-    mesh, regions = read_materials(mesh_file)
-    measured = measure_materials(mesh, regions)
-    path = mesh_file.parent / FILE_NAME
-    if not path.is_file():
-        return judge_all(mesh, regions, measured, checks=checks).verdict
-    stored = _read(path)
-    predicted = {name: BettiNumbers(*betti) for name, betti in stored["predicted"].items()}
-    recomputed = {
-        "mesh": hash_file(mesh_file),
-        "measured": _measured(measured),
-        "holds": all(check.holds for check in judge_materials(mesh, measured, predicted)),
+    return {
+        "predicted": {name: list(betti) for name, betti in predict(built).items()},
+        "contacts": {"decided": built.n_contacts, "overruled": built.n_overruled},
     }
-    fractions_file = path.parent / stored["fractions"]["file"]
-    if fractions_file.is_file():
-        again = _predict(load_materials(fractions_file), stored["thresholds"])
-        recomputed["fractions"] = hash_file(fractions_file)
-        recomputed["predicted"] = {name: list(betti) for name, betti in again.items()}
-    claimed = {**stored, **{key: stored[key]["sha256"] for key in ("mesh", "fractions")}}
-    claims = [_compare(key, value, claimed[key]) for key, value in recomputed.items()]
-    found = judge_all(mesh, regions, measured, predicted, comparison=claims, checks=checks)
-    return found.verdict
+
+
+def predict(built: MaterialMesh) -> dict[str, BettiNumbers]:
+    """Return the predicted Betti numbers of materials with elements, and of all together.
+
+    Parameters
+    ----------
+    built
+        What `tusqh.contacts.mesh_materials` made.
+    """
+    present = {built.names[k] for k in np.unique(built.material).tolist()}
+    return {
+        **{name: betti for name, betti in built.predicted.items() if name in present},
+        ALL: built.predicted_solid,
+    }
 
 
 def read_materials(mesh_file: Path) -> tuple[VolumeMesh, Regions]:
@@ -137,54 +181,39 @@ def read_materials(mesh_file: Path) -> tuple[VolumeMesh, Regions]:
     return read_vtu(mesh_file), regions
 
 
-def _predict(
-    fractions: MaterialFractions, thresholds: Mapping[str, float]
-) -> dict[str, BettiNumbers]:
-    """Return the predicted Betti numbers of every material that has any, and of all together."""
-    found = mesh_materials(fractions, thresholds=thresholds)
-    present = {fractions.names[k] for k in np.unique(found.material).tolist()}
-    return {
-        **{name: betti for name, betti in found.predicted.items() if name in present},
-        ALL: found.predicted_solid,
-    }
+def materials_schema() -> dict[str, Any]:
+    """Return the JSON schema of certificates of several materials."""
+    path = resources.files("tusqh").joinpath("certificate_of_materials.schema.json")
+    return dict(json.loads(path.read_text("utf-8")))
 
 
-def _measured(measured: Mapping[str, RegionMeasurement]) -> dict[str, Any]:
-    """Return the measured Betti numbers of materials as plain values."""
-    return {
-        name: {"euler": list(found.by_euler), "boundary": list(found.by_boundary)}
-        for name, found in measured.items()
-    }
+def read_certificate(path: Path) -> dict[str, Any]:
+    """Return a certificate of several materials.
 
+    Parameters
+    ----------
+    path
+        The file.
 
-def _read(path: Path) -> dict[str, Any]:
-    """Return a certificate of several materials."""
+    Raises
+    ------
+    MeshError
+        It cannot be read or does not follow the schema.
+    """
     try:
-        stored = dict(json.loads(path.read_text("utf-8")))
-    except (OSError, ValueError, TypeError) as reason:
-        raise _invalid(path, str(reason)) from reason
-    missing = {"predicted", "measured", "thresholds", "mesh", "fractions", "holds"} - set(stored)
-    if stored.get("certificate") != VERSION or missing:
-        raise _invalid(path, "it is not the certificate of several materials")
-    return stored
+        stored = json.loads(path.read_text("utf-8"))
+        jsonschema.validate(stored, materials_schema())
+    except (OSError, ValueError, jsonschema.ValidationError) as reason:
+        text = reason.message if isinstance(reason, jsonschema.ValidationError) else str(reason)
+        raise MeshError(
+            f"is not a valid certificate of several materials: {text}",
+            where=str(path),
+            expected="a file that was written together with the mesh, unchanged",
+            remedy="mesh the materials again, or check the mesh in another folder without "
+            "certificate",
+        ) from reason
+    return dict(stored)
 
 
-def _invalid(path: Path, why: str) -> MeshError:
-    return MeshError(
-        f"is not a valid certificate: {why}",
-        where=str(path),
-        expected="a file that was written together with the mesh, unchanged",
-        remedy="mesh the materials again, or check the mesh in another folder without certificate",
-    )
-
-
-def _compare(key: str, found: Any, claimed: Any) -> Check:
-    """Return the check of one claim."""
-    is_same = found == claimed
-    return Check(
-        id=f"certificate_{key}",
-        name=f"certificate: {key}",
-        found="as recorded" if is_same else f"not as recorded: {str(found)[:60]}",
-        required="as recorded",
-        holds=is_same,
-    )
+def _digest(path: Path) -> dict[str, str]:
+    return {"file": path.name, "sha256": hash_file(path)}

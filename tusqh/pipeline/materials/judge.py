@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from tusqh.antialias.scheme import PINCH_TEMPLATES
+from tusqh.contacts import MaterialFractions
 from tusqh.extras import MissingExtraError
 from tusqh.grid import IntArray
 from tusqh.meshes.checks import Check
@@ -186,17 +187,33 @@ def _list_parts(regions: Regions) -> dict[str, IntArray]:
     return {**parts, ALL: np.flatnonzero(material != len(names) - 1)}
 
 
-def compare_volumes(materials: pd.DataFrame, tolerance: float) -> list[Check]:
+def volumes_of_geometry(fractions: MaterialFractions) -> dict[str, float]:
+    """Return the volume of every material in its fractions, and of all without the void.
+
+    Parameters
+    ----------
+    fractions
+        Fractions of all materials.
+    """
+    volumes = fractions.volumes()
+    return {**volumes, ALL: sum(volumes[name] for name in fractions.names[:-1])}
+
+
+def compare_volumes(
+    measured: Mapping[str, RegionMeasurement], volumes: Mapping[str, float], tolerance: float
+) -> list[Check]:
     """Return a warning for every material whose volume differs from that of its geometry.
 
     Parameters
     ----------
-    materials
-        See `tusqh.pipeline.materials.result.MaterialsResult.materials`.
+    measured
+        See `measure_materials`.
+    volumes
+        See `volumes_of_geometry`.
     tolerance
         Largest relative difference.
     """
-    ratios = (materials["volume"] / materials["volume_of_geometry"]).tolist()
+    ratios = {name: found.volume / volumes[name] for name, found in measured.items()}
     return [
         Check(
             id=f"volume_{name}",
@@ -208,5 +225,5 @@ def compare_volumes(materials: pd.DataFrame, tolerance: float) -> list[Check]:
             remedy="use smaller cells, or another threshold for this material",
             material=name,
         )
-        for name, ratio in zip(materials["material"], ratios, strict=True)
+        for name, ratio in ratios.items()
     ]

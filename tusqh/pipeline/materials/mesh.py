@@ -8,9 +8,10 @@ from typing import Any
 from tusqh.contacts import MaterialFractions
 from tusqh.errors import ConfigError
 from tusqh.pipeline.materials.gather import Gathered, gather, is_pair, require_known
+from tusqh.pipeline.materials.original import MaterialsOriginal
 from tusqh.pipeline.materials.remarks import note_absent, note_fit
 from tusqh.pipeline.materials.result import MaterialsResult
-from tusqh.pipeline.materials.sample import Sampled, sample_materials
+from tusqh.pipeline.materials.sample import Sampled
 from tusqh.pipeline.materials.wishes import fulfil
 from tusqh.settings.materials import Materials, to_materials
 from tusqh.settings.model import Settings
@@ -83,13 +84,16 @@ def mesh_several(
         name = Path(source).stem if isinstance(source, (str, Path)) else "model"
     wishes = to_materials(materials)
     if isinstance(source, MaterialFractions):
-        gathered, sampled = Gathered(wishes), Sampled(source)
+        gathered, sampled, original = Gathered(wishes), Sampled(source), None
         require_known(wishes, source.names)
     else:
         gathered = gather(source, wishes, settings.image)
         if gathered.image is not None and settings.window is not None:
             raise _without_effect("window", "leave it out: labels are meshed as a whole")
-        sampled = sample_materials(gathered, settings, rest=rest)
+        original = MaterialsOriginal(
+            gathered, settings.grid, settings.sampling, settings.window, rest
+        )
+        sampled = original.sample()
     found = fulfil(sampled.fractions, gathered.wishes, name=name)
     absent = note_absent(found.mesh, sampled.fractions, found.thresholds)
     return MaterialsResult(
@@ -100,6 +104,7 @@ def mesh_several(
         (*gathered.remarks, *absent, *note_fit(settings)),
         settings.quality.volume_tolerance,
         settings.quality.checks,
+        original,
     )
 
 

@@ -24,7 +24,13 @@ from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.judge import Judgement
 from tusqh.pipeline.materials.certificate import make_certificate
-from tusqh.pipeline.materials.judge import ALL, compare_volumes, judge_all
+from tusqh.pipeline.materials.judge import (
+    ALL,
+    compare_volumes,
+    judge_all,
+    volumes_of_geometry,
+)
+from tusqh.pipeline.materials.original import MaterialsOriginal
 from tusqh.quality.verification import VERIFICATION_COLUMNS
 from tusqh.tables import write_csv
 from tusqh.topology.betti_numbers import BettiNumbers
@@ -60,6 +66,8 @@ class MaterialsResult:
         fractions that causes no warning.
     checks
         Whether other programs check large meshes too, see `tusqh.settings.quality.Quality`.
+    original
+        The geometries of the materials; None: their fractions were given.
     """
 
     built: MaterialMesh
@@ -69,6 +77,7 @@ class MaterialsResult:
     remarks: tuple[Remark, ...] = ()
     volume_tolerance: float = 0.05
     checks: Literal["all"] | None = None
+    original: MaterialsOriginal | None = None
 
     @property
     def mesh(self) -> VolumeMesh:
@@ -96,8 +105,7 @@ class MaterialsResult:
 
         The columns are `MATERIAL_COLUMNS`; volumes (2D: areas) are in model units.
         """
-        volumes = self.fractions.volumes()
-        volumes[ALL] = sum(volumes[name] for name in self.names[:-1])
+        volumes = volumes_of_geometry(self.fractions)
         predicted = self._predicted
         is_sound = self.mesh.measurement.is_sound
         rows = []
@@ -140,7 +148,9 @@ class MaterialsResult:
     @cached_property
     def _judgement(self) -> Judgement:
         regions = Regions(self.names, self.built.material)
-        volumes = compare_volumes(self.materials, self.volume_tolerance)
+        volumes = compare_volumes(
+            self._measured, volumes_of_geometry(self.fractions), self.volume_tolerance
+        )
         return judge_all(
             self.mesh,
             regions,
@@ -218,7 +228,7 @@ class MaterialsResult:
         self.built.write(Path(path))
 
     def save(self, folder: Path | str) -> None:
-        """Write the mesh, the fractions, all tables and the certificate into a folder.
+        """Write mesh, geometry, fractions, all tables and the certificate into a folder.
 
         `tusqh check FOLDER/mesh.vtu` then recomputes the certificate.
 
@@ -232,8 +242,15 @@ class MaterialsResult:
         save_materials(path_of("fractions", folder), self.fractions)
         for name in ("materials", "pairs", "elements", "verdict", "verification"):
             write_csv(path_of(name, folder), getattr(self, name))
-        files = path_of("mesh", folder), path_of("fractions", folder)
-        certificate = make_certificate(*files, self.thresholds, name=self.mesh.name)
+        if self.original is not None:
+            self.original.save(path_of("geometry", folder))
+        certificate = make_certificate(
+            folder,
+            self.thresholds,
+            name=self.mesh.name,
+            volume_tolerance=self.volume_tolerance,
+            original=self.original,
+        )
         write_text(path_of("certificate", folder), canonical_json(certificate))
 
     def __repr__(self) -> str:
