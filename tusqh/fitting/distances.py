@@ -11,6 +11,10 @@ from tusqh.fitting.target import Target, to_cells
 from tusqh.grid import BoolArray, FloatArray
 from tusqh.meshes.element_mesh import ElementMesh
 
+#: Facets this near a side of the box belong to it if they are this level, in cells: grids need not
+#: end at the sides of a window.
+_NEAR, _LEVEL = 0.75, 1e-6
+
 
 def measure_distances(
     mesh: ElementMesh, target: Target, is_owned: BoolArray | None = None
@@ -57,7 +61,9 @@ def measure_distances(
 
 
 def on_sides(corners: FloatArray, target: Target) -> BoolArray:
-    """Return on which sides of the target's box facets lie, shape (facets, 2 * dim).
+    """Return to which sides of the target's box facets belong, shape (facets, 2 * dim).
+
+    They are less than `_NEAR` from the plane of the side, and parallel to it.
 
     Parameters
     ----------
@@ -69,9 +75,14 @@ def on_sides(corners: FloatArray, target: Target) -> BoolArray:
     dim = corners.shape[2]
     if target.sides is None:
         return np.zeros((len(corners), 2 * dim), dtype=np.bool_)
-    planes = [(axis, side) for axis in range(dim) for side in range(2)]
-    found = [np.abs(corners[:, :, a] - target.sides[s, a]) < 1e-6 for a, s in planes]
-    return np.stack([is_near.all(axis=1) for is_near in found], axis=1)
+    found = []
+    for axis in range(dim):
+        heights = corners[:, :, axis]
+        is_level = np.ptp(heights, axis=1) < _LEVEL
+        for side in range(2):
+            away = np.abs(heights.mean(axis=1) - target.sides[side, axis])
+            found.append(is_level & (away < _NEAR))
+    return np.stack(found, axis=1)
 
 
 def _triangles(corners: FloatArray) -> FloatArray:

@@ -38,42 +38,72 @@ _HALVINGS = 10
 
 
 @numba.njit(cache=True)
+def _dot(a, b):  # type: ignore[no-untyped-def]
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@numba.njit(cache=True)
+def _cross(a, b):  # type: ignore[no-untyped-def]
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@numba.njit(cache=True)
+def _plus(a, s, b):  # type: ignore[no-untyped-def]
+    """Return ``a + s b``."""
+    return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
+
+
+@numba.njit(cache=True)
+def _add_pair(h, s, p, q):  # type: ignore[no-untyped-def]
+    """Return a Hessian plus ``s (p q^T + q p^T) / 2``."""
+    return (
+        h[0] + s * p[0] * q[0],
+        h[1] + s * p[1] * q[1],
+        h[2] + s * p[2] * q[2],
+        h[3] + 0.5 * s * (p[0] * q[1] + p[1] * q[0]),
+        h[4] + 0.5 * s * (p[0] * q[2] + p[2] * q[0]),
+        h[5] + 0.5 * s * (p[1] * q[2] + p[2] * q[1]),
+    )
+
+
+@numba.njit(cache=True)
+def _edges(points, cells, neighbours, cell, o, v, at):  # type: ignore[no-untyped-def]
+    """Return the edges at a corner with vertex v at a place; the edge that ends there comes first.
+
+    A rotation of the edges keeps their determinant.
+    """
+    i, j, k = cells[cell, o], cells[cell, neighbours[o, 0]], cells[cell, neighbours[o, 1]]
+    m = cells[cell, neighbours[o, 2]]
+    if k == v:
+        j, k, m = k, m, j
+    elif m == v:
+        j, k, m = m, j, k
+    p = at if i == v else (points[i, 0], points[i, 1], points[i, 2])
+    q = at if j == v else (points[j, 0], points[j, 1], points[j, 2])
+    return (
+        (q[0] - p[0], q[1] - p[1], q[2] - p[2]),
+        (points[k, 0] - p[0], points[k, 1] - p[1], points[k, 2] - p[2]),
+        (points[m, 0] - p[0], points[m, 1] - p[1], points[m, 2] - p[2]),
+    )
+
+
+@numba.njit(cache=True)
 def _energy(points, cells, neighbours, entries, v, at, eps, power, wish):  # type: ignore[no-untyped-def]
     """Return the energy of a vertex, the least determinant and the least scaled Jacobian."""
-    x, y, z = at
     total, least, least_scaled = 0.0, 1e300, 1e300
     for e in entries:
         cell, corner = e >> 3, e & 7
         for w in range(4):
             o = corner if w == 0 else neighbours[corner, w - 1]
-            i, j, k = cells[cell, o], cells[cell, neighbours[o, 0]], cells[cell, neighbours[o, 1]]
-            m = cells[cell, neighbours[o, 2]]
-            ox, oy, oz = points[i, 0], points[i, 1], points[i, 2]
-            ax, ay, az = points[j, 0], points[j, 1], points[j, 2]
-            bx, by, bz = points[k, 0], points[k, 1], points[k, 2]
-            cx, cy, cz = points[m, 0], points[m, 1], points[m, 2]
-            if i == v:
-                ox, oy, oz = x, y, z
-            elif j == v:
-                ax, ay, az = x, y, z
-            elif k == v:
-                bx, by, bz = x, y, z
-            else:
-                cx, cy, cz = x, y, z
-            ax, ay, az = ax - ox, ay - oy, az - oz
-            bx, by, bz = bx - ox, by - oy, bz - oz
-            cx, cy, cz = cx - ox, cy - oy, cz - oz
-            d = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
-            aa, bb = ax * ax + ay * ay + az * az, bx * bx + by * by + bz * bz
-            cc = cx * cx + cy * cy + cz * cz
+            a, b, c = _edges(points, cells, neighbours, cell, o, v, at)
+            d = _dot(a, _cross(b, c))
+            aa, bb, cc = _dot(a, a), _dot(b, b), _dot(c, c)
             scaled = d / math.sqrt(aa * bb * cc + 1e-300)
             least, least_scaled = min(least, d), min(least_scaled, scaled)
             if eps == 0.0 and d <= 0.0:
                 return 1e300, d, -1.0
             if wish > 0.0:
-                total += _POLISH_BARRIER / d
-                if scaled < wish:
-                    total += (wish - scaled) ** 2
+                total += _POLISH_BARRIER / d + max(0.0, wish - scaled) ** 2
                 continue
             chi = d if eps == 0.0 else max(0.5 * (d + math.sqrt(d * d + eps * eps)), 1e-12)
             f = (aa + bb + cc) / (3.0 * np.cbrt(chi) ** 2)
@@ -82,97 +112,79 @@ def _energy(points, cells, neighbours, entries, v, at, eps, power, wish):  # typ
 
 
 @numba.njit(cache=True)
-def _derivatives(points, cells, neighbours, entries, v, eps, power, wish):  # type: ignore[no-untyped-def]
-    """Return the gradient and the Hessian (xx, yy, zz, xy, xz, yz) of the energy of a vertex.
+def _add_ratio(g, h, d, square, q, twice, u, eps, power):  # type: ignore[no-untyped-def]
+    """Add the derivatives of ``f^p + BARRIER / chi`` of one corner.
 
-    The Hessian of the polish is that of Gauss and Newton.
+    `q` and `twice` are the first and second derivatives of the sum of squares, `u` is that of d.
     """
-    g0, g1, g2 = 0.0, 0.0, 0.0
-    h0, h1, h2, h3, h4, h5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    chi, slope, bend = d, 1.0, 0.0
+    if eps > 0.0:
+        root = math.sqrt(d * d + eps * eps)
+        chi = max(0.5 * (d + root), 1e-12)
+        slope, bend = chi / root, 0.5 * eps * eps / (root * root * root)
+    scale = 1.0 / (3.0 * np.cbrt(chi) ** 2)
+    f = square * scale
+    by_d = -(2.0 / 3.0) * scale * slope / chi
+    by_dd = scale * square * (10.0 / 9.0 * (slope / chi) ** 2 - 2.0 / 3.0 * bend / chi)
+    outer = 1.0 if power == 1 else 2 * f
+    slope_of_f = _plus((scale * q[0], scale * q[1], scale * q[2]), square * by_d, u)
+    first = -BARRIER * slope / (chi * chi)
+    second = BARRIER * (2 * slope * slope / chi - bend) / (chi * chi)
+    g = _plus(_plus(g, outer, slope_of_f), first, u)
+    flat = outer * scale * twice
+    h = (h[0] + flat, h[1] + flat, h[2] + flat, h[3], h[4], h[5])
+    h = _add_pair(h, 2 * outer * by_d, q, u)
+    h = _add_pair(h, outer * by_dd + second, u, u)
+    if power == 2:
+        h = _add_pair(h, 2.0, slope_of_f, slope_of_f)
+    return g, h
+
+
+@numba.njit(cache=True)
+def _add_polish(g, h, d, lengths, along, u, wish):  # type: ignore[no-untyped-def]
+    """Add the derivatives of ``max(0, wish - s)^2`` and its barrier (Gauss and Newton's Hessian).
+
+    `lengths` is the product of the lengths of the edges, and `along` the derivative of its
+    logarithm.
+    """
+    g = _plus(g, -_POLISH_BARRIER / (d * d), u)
+    h = _add_pair(h, 2 * _POLISH_BARRIER / (d * d * d), u, u)
+    scaled = d / lengths
+    if scaled < wish:
+        slope = _plus((u[0] / lengths, u[1] / lengths, u[2] / lengths), -scaled, along)
+        g = _plus(g, -2 * (wish - scaled), slope)
+        h = _add_pair(h, 2.0, slope, slope)
+    return g, h
+
+
+@numba.njit(cache=True)
+def _derivatives(points, cells, neighbours, entries, v, at, eps, power, wish):  # type: ignore[no-untyped-def]
+    """Return the gradient and the Hessian (xx, yy, zz, xy, xz, yz) of the energy of a vertex."""
+    g, h = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for e in entries:
         cell, corner = e >> 3, e & 7
         for w in range(4):
             o = corner if w == 0 else neighbours[corner, w - 1]
-            i, j, k = cells[cell, o], cells[cell, neighbours[o, 0]], cells[cell, neighbours[o, 1]]
-            m = cells[cell, neighbours[o, 2]]
-            if w > 0:  # The moving vertex comes first; a rotation keeps the determinant.
-                if k == v:
-                    j, k, m = k, m, j
-                elif m == v:
-                    j, k, m = m, j, k
-            ox, oy, oz = points[i, 0], points[i, 1], points[i, 2]
-            ax, ay, az = points[j, 0] - ox, points[j, 1] - oy, points[j, 2] - oz
-            bx, by, bz = points[k, 0] - ox, points[k, 1] - oy, points[k, 2] - oz
-            cx, cy, cz = points[m, 0] - ox, points[m, 1] - oy, points[m, 2] - oz
-            ux, uy, uz = by * cz - bz * cy, bz * cx - bx * cz, bx * cy - by * cx
-            d = ax * ux + ay * uy + az * uz
-            aa, bb = ax * ax + ay * ay + az * az, bx * bx + by * by + bz * bz
-            cc = cx * cx + cy * cy + cz * cz
-            square = aa + bb + cc
-            # Derivatives of d, of the sum of squares and of the logarithm of the lengths.
+            a, b, c = _edges(points, cells, neighbours, cell, o, v, at)
+            u = _cross(b, c)
+            d = _dot(a, u)
+            aa, bb, cc = _dot(a, a), _dot(b, b), _dot(c, c)
             if w == 0:
-                ux += (cy * az - cz * ay) + (ay * bz - az * by)
-                uy += (cz * ax - cx * az) + (az * bx - ax * bz)
-                uz += (cx * ay - cy * ax) + (ax * by - ay * bx)
-                ux, uy, uz = -ux, -uy, -uz
-                qx, qy, qz = -2 * (ax + bx + cx), -2 * (ay + by + cy), -2 * (az + bz + cz)
-                twice = 6.0
-            else:
-                qx, qy, qz, twice = 2 * ax, 2 * ay, 2 * az, 2.0
+                u = _plus(_plus(u, 1.0, _cross(c, a)), 1.0, _cross(a, b))
+                u = (-u[0], -u[1], -u[2])
             if wish > 0.0:
-                first, second = -_POLISH_BARRIER / (d * d), 2 * _POLISH_BARRIER / (d * d * d)
-                inverse = 1.0 / math.sqrt(aa * bb * cc + 1e-300)
-                scaled = d * inverse
-                gap = wish - scaled
-                if gap > 0.0:
-                    if w == 0:
-                        lx, ly, lz = (
-                            -(ax / aa + bx / bb + cx / cc),
-                            -(ay / aa + by / bb + cy / cc),
-                            -(az / aa + bz / bb + cz / cc),
-                        )
-                    else:
-                        lx, ly, lz = ax / aa, ay / aa, az / aa
-                    sx, sy, sz = (
-                        ux * inverse - scaled * lx,
-                        uy * inverse - scaled * ly,
-                        uz * inverse - scaled * lz,
-                    )
-                    g0, g1, g2 = g0 - 2 * gap * sx, g1 - 2 * gap * sy, g2 - 2 * gap * sz
-                    h0, h1, h2 = h0 + 2 * sx * sx, h1 + 2 * sy * sy, h2 + 2 * sz * sz
-                    h3, h4, h5 = h3 + 2 * sx * sy, h4 + 2 * sx * sz, h5 + 2 * sy * sz
+                along = (a[0] / aa, a[1] / aa, a[2] / aa)
+                if w == 0:
+                    along = _plus(_plus(along, 1 / bb, b), 1 / cc, c)
+                    along = (-along[0], -along[1], -along[2])
+                g, h = _add_polish(g, h, d, math.sqrt(aa * bb * cc + 1e-300), along, u, wish)
             else:
-                chi, slope, bend = d, 1.0, 0.0
-                if eps > 0.0:
-                    root = math.sqrt(d * d + eps * eps)
-                    chi = max(0.5 * (d + root), 1e-12)
-                    slope, bend = chi / root, 0.5 * eps * eps / (root * root * root)
-                scale = 1.0 / (3.0 * np.cbrt(chi) ** 2)
-                f = square * scale
-                by_d = -(2.0 / 3.0) * scale * slope / chi
-                by_dd = scale * square * (10.0 / 9.0 * (slope / chi) ** 2 - 2.0 / 3.0 * bend / chi)
-                fx, fy, fz = (
-                    scale * qx + square * by_d * ux,
-                    scale * qy + square * by_d * uy,
-                    scale * qz + square * by_d * uz,
-                )
-                outer = 1.0 if power == 1 else 2 * f
-                again = 0.0 if power == 1 else 2.0
-                first = -BARRIER * slope / (chi * chi)
-                second = BARRIER * (2 * slope * slope / chi - bend) / (chi * chi)
-                g0, g1, g2 = g0 + outer * fx, g1 + outer * fy, g2 + outer * fz
-                h0 += outer * (scale * twice + 2 * by_d * qx * ux + by_dd * ux * ux)
-                h1 += outer * (scale * twice + 2 * by_d * qy * uy + by_dd * uy * uy)
-                h2 += outer * (scale * twice + 2 * by_d * qz * uz + by_dd * uz * uz)
-                h3 += outer * (by_d * (qx * uy + ux * qy) + by_dd * ux * uy)
-                h4 += outer * (by_d * (qx * uz + ux * qz) + by_dd * ux * uz)
-                h5 += outer * (by_d * (qy * uz + uy * qz) + by_dd * uy * uz)
-                h0, h1, h2 = h0 + again * fx * fx, h1 + again * fy * fy, h2 + again * fz * fz
-                h3, h4, h5 = h3 + again * fx * fy, h4 + again * fx * fz, h5 + again * fy * fz
-            g0, g1, g2 = g0 + first * ux, g1 + first * uy, g2 + first * uz
-            h0, h1, h2 = h0 + second * ux * ux, h1 + second * uy * uy, h2 + second * uz * uz
-            h3, h4, h5 = h3 + second * ux * uy, h4 + second * ux * uz, h5 + second * uy * uz
-    return (g0, g1, g2), (h0, h1, h2, h3, h4, h5)
+                q, twice = (2 * a[0], 2 * a[1], 2 * a[2]), 2.0
+                if w == 0:
+                    q = _plus(_plus(q, 2.0, b), 2.0, c)
+                    q, twice = (-q[0], -q[1], -q[2]), 6.0
+                g, h = _add_ratio(g, h, d, aa + bb + cc, q, twice, u, eps, power)
+    return g, h
 
 
 @numba.njit(cache=True)
@@ -202,43 +214,24 @@ def _newton(g, h):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def _misfit(plane, q, x, y, z):  # type: ignore[no-untyped-def]
-    dx, dy, dz = x - q[0], y - q[1], z - q[2]
-    return (
-        plane[0] * dx * dx
-        + plane[1] * dy * dy
-        + plane[2] * dz * dz
-        + 2 * (plane[3] * dx * dy + plane[4] * dx * dz + plane[5] * dy * dz)
+def _misfit(fit, q, at):  # type: ignore[no-untyped-def]
+    """Return ``(x - q)^T A (x - q)`` and half its gradient."""
+    d = _plus(at, -1.0, q)
+    pull = (
+        fit[0] * d[0] + fit[3] * d[1] + fit[4] * d[2],
+        fit[3] * d[0] + fit[1] * d[1] + fit[5] * d[2],
+        fit[4] * d[0] + fit[5] * d[1] + fit[2] * d[2],
     )
+    return _dot(d, pull), pull
 
 
 @numba.njit(cache=True)
-def _move(points, cells, neighbours, entries, v, free, fit, lam, q, rule):  # type: ignore[no-untyped-def]
-    """Move one vertex by one Newton step; return how far it moved."""
-    power, wish, longest, is_wild = rule
-    x, y, z = points[v, 0], points[v, 1], points[v, 2]
-    eps = 0.0
-    energy, least, least_scaled = _energy(
-        points, cells, neighbours, entries, v, (x, y, z), 1.0, power, 0.0
-    )
-    is_tangled = least <= _TANGLED
-    if is_tangled:
-        wish = 0.0
-        eps = (0.02 + 0.5 * max(0.0, -least)) if is_wild else (0.002 + 0.2 * max(0.0, -least))
-    elif wish > 0.0 and least_scaled >= wish:
-        return 0.0
-    energy = _energy(points, cells, neighbours, entries, v, (x, y, z), eps, power, wish)[0]
-    g, h = _derivatives(points, cells, neighbours, entries, v, eps, power, wish)
+def _find_step(g, h, fit, lam, pull, free, longest, wish):  # type: ignore[no-untyped-def]
+    """Return the step of Newton with the fit term, along free axes, and the descent along it."""
+    g = _plus(g, 2 * lam, pull)
     g0, g1, g2 = g
-    h0, h1, h2, h3, h4, h5 = h
-    if lam > 0.0:
-        energy += lam * _misfit(fit, q, x, y, z)
-        dx, dy, dz = x - q[0], y - q[1], z - q[2]
-        g0 += 2 * lam * (fit[0] * dx + fit[3] * dy + fit[4] * dz)
-        g1 += 2 * lam * (fit[3] * dx + fit[1] * dy + fit[5] * dz)
-        g2 += 2 * lam * (fit[4] * dx + fit[5] * dy + fit[2] * dz)
-        h0, h1, h2 = h0 + 2 * lam * fit[0], h1 + 2 * lam * fit[1], h2 + 2 * lam * fit[2]
-        h3, h4, h5 = h3 + 2 * lam * fit[3], h4 + 2 * lam * fit[4], h5 + 2 * lam * fit[5]
+    h0, h1, h2 = h[0] + 2 * lam * fit[0], h[1] + 2 * lam * fit[1], h[2] + 2 * lam * fit[2]
+    h3, h4, h5 = h[3] + 2 * lam * fit[3], h[4] + 2 * lam * fit[4], h[5] + 2 * lam * fit[5]
     if wish > 0.0:
         h0, h1, h2 = h0 + 1e-2, h1 + 1e-2, h2 + 1e-2
     if not free & 1:
@@ -247,41 +240,59 @@ def _move(points, cells, neighbours, entries, v, free, fit, lam, q, rule):  # ty
         g1, h1, h3, h5 = 0.0, 1.0, 0.0, 0.0
     if not free & 4:
         g2, h2, h4, h5 = 0.0, 1.0, 0.0, 0.0
-    s0, s1, s2 = _newton((g0, g1, g2), (h0, h1, h2, h3, h4, h5))
-    length = math.sqrt(s0 * s0 + s1 * s1 + s2 * s2)
+    step = _newton((g0, g1, g2), (h0, h1, h2, h3, h4, h5))
+    length = math.sqrt(_dot(step, step))
     if length > longest:
         share = longest / length
-        s0, s1, s2, length = s0 * share, s1 * share, s2 * share, longest
-    descent = g0 * s0 + g1 * s1 + g2 * s2
+        step = (share * step[0], share * step[1], share * step[2])
+    return step, _dot((g0, g1, g2), step)
+
+
+@numba.njit(cache=True)
+def _move(points, cells, neighbours, entries, v, free, fit, lam, q, rule):  # type: ignore[no-untyped-def]
+    """Move one vertex by one Newton step; return how far it moved."""
+    power, wish, longest, is_wild = rule
+    at = (points[v, 0], points[v, 1], points[v, 2])
+    eps = 0.0
+    _, least, least_scaled = _energy(points, cells, neighbours, entries, v, at, 1.0, power, 0.0)
+    if least <= _TANGLED:
+        wish = 0.0
+        eps = (0.02 + 0.5 * max(0.0, -least)) if is_wild else (0.002 + 0.2 * max(0.0, -least))
+    elif wish > 0.0 and least_scaled >= wish:
+        return 0.0
+    energy = _energy(points, cells, neighbours, entries, v, at, eps, power, wish)[0]
+    g, h = _derivatives(points, cells, neighbours, entries, v, at, eps, power, wish)
+    wanted = (q[0], q[1], q[2])
+    off, pull = _misfit(fit, wanted, at)
+    energy += lam * off
+    step, descent = _find_step(g, h, fit, lam, pull, free, longest, wish)
     if not descent < 0.0:
         return 0.0
     share = 1.0
     for _ in range(_HALVINGS):
-        to = (x + share * s0, y + share * s1, z + share * s2)
+        to = _plus(at, share, step)
         new, new_least, new_scaled = _energy(
             points, cells, neighbours, entries, v, to, eps, power, wish
         )
-        if lam > 0.0 and new < 1e299:
-            new += lam * _misfit(fit, q, to[0], to[1], to[2])
+        new += lam * _misfit(fit, wanted, to)[0]
         is_better = new <= energy + 1e-4 * share * descent
         is_better = is_better and (new_least > _LEAST or least <= _LEAST)
         if wish > 0.0:
             is_better = is_better and new_scaled >= least_scaled - 1e-12
         if is_better:
-            if free & 1:
-                points[v, 0] = to[0]
-            if free & 2:
-                points[v, 1] = to[1]
-            if free & 4:
-                points[v, 2] = to[2]
-            return share * length
+            for k in range(3):
+                if free >> k & 1:
+                    points[v, k] = to[k]
+            return share * math.sqrt(_dot(step, step))
         share *= 0.5
     return 0.0
 
 
 @numba.njit(cache=True)
-def _visit(points, cells, neighbours, entries, v, free, fit, lam, q, rule, moved, still):  # type: ignore[no-untyped-def]
+def _visit(hexes, entries, v, terms, rule, moved, still):  # type: ignore[no-untyped-def]
     """Move a vertex if anything around it still moves."""
+    points, cells, neighbours = hexes
+    free, fit, lam, q = terms
     largest = 0.0
     for e in entries:
         for k in range(8):
@@ -340,17 +351,5 @@ def sweep(  # type: ignore[no-untyped-def]
         for i in numba.prange(bounds[colour], bounds[colour + 1]):
             v = order[i]
             around = entries[start[v] : start[v + 1]]
-            _visit(
-                points,
-                cells,
-                neighbours,
-                around,
-                v,
-                free[v],
-                fits[v],
-                lams[v],
-                qs[v],
-                rule,
-                moved,
-                still,
-            )
+            terms = free[v], fits[v], lams[v], qs[v]
+            _visit((points, cells, neighbours), around, v, terms, rule, moved, still)

@@ -52,14 +52,11 @@ def fit_hexes(
     safe = moving.points.copy()
     rounds.fit(threshold)
     faults = Faults(moving, skin)
-    pulled = pull_back(moving, skin, rounds.calm)
     touched = put_back(moving, skin, safe)
-    for is_in, what in (
-        (pulled & ~touched, "held at the smoothed staircase"),
-        (touched, "put back"),
-    ):
-        why = CROSSING if (faults.crossed & is_in).any() else FOLD
-        regions.append(list_regions(moving, is_in, what, why, scale))
+    if touched.any():
+        _polish_again(rounds, touched)
+    why = CROSSING if faults.crossed.any() else FOLD
+    regions.append(list_regions(moving, touched, "put back towards the staircase", why, scale))
     covers = rounds.covers
     new = VolumeMesh(
         points=moving.points * scale[0] + scale[1],
@@ -71,6 +68,15 @@ def fit_hexes(
     distances = measure_distances(new, target, rounds.is_owned)
     fell_back = pd.concat(regions, ignore_index=True)
     return Fitted(new, distances, fell_back, {"seconds": perf_counter() - begin})
+
+
+def _polish_again(rounds: Rounds, touched: BoolArray) -> None:
+    """Polish around vertices that were put back, and undo that where it causes faults."""
+    moving, skin = rounds.moving, rounds.skin
+    safe = moving.points.copy()
+    rounds.hold(touched)
+    rounds.polish()
+    put_back(moving, skin, safe)
 
 
 def _cover(
@@ -91,9 +97,11 @@ def _cover(
         if not is_covered.any():
             return rounds, regions
         rounds.untangle()
-        pull_back(rounds.moving, rounds.skin, rounds.stay())
+        pulled = pull_back(rounds.moving, rounds.skin, rounds.calm.place)
         faults = Faults(rounds.moving, rounds.skin)
         if not faults.any.any():
+            if pulled.any():
+                _polish_again(rounds, pulled)
             return rounds, regions
         _LOG.debug("a layer has faults at %d points", faults.any.sum())
         why = CROSSING if faults.crossed.any() else FOLD

@@ -16,6 +16,8 @@ from tusqh.meshes.jacobians import HEX_NEIGHBOURS, Jacobians, smallest_jacobians
 STILL = 2e-3
 #: Layers of hexes below the boundary whose vertices move.
 LAYERS = 4
+#: Below this number of vertices one thread is faster.
+_FEW = 4000
 #: Most colours.
 _COLOURS = 512
 
@@ -113,6 +115,9 @@ class Moving:
         power, wish, longest, is_wild
             See `tusqh.fitting.energy.sweep`.
         """
+        n_threads = numba.get_num_threads()
+        if len(self.order) < _FEW:  # Threads wait for each other longer than they work.
+            numba.set_num_threads(1)
         for _ in range(times):
             sweep(
                 self.points,
@@ -130,6 +135,7 @@ class Moving:
                 self.moved,
                 STILL,
             )
+        numba.set_num_threads(n_threads)
 
     @property
     def quality(self) -> Jacobians:

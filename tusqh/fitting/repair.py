@@ -16,9 +16,11 @@ from tusqh.fitting.validity import find_unproven
 from tusqh.grid import BoolArray, FloatArray
 
 #: Rounds in which vertices are pulled back: rings around the bad ones, and weight.
-_PULLS = ((2, 30.0), (3, 100.0), (4, 300.0))
-#: Rings around the bad ones in which vertices are then put back.
-_RINGS = (1, 2, 3, 5, 8, 12, 20)
+_PULLS = ((0, 100.0), (0, 300.0), (0, 300.0), (1, 300.0), (1, 1000.0), (1, 1000.0), (2, 1000.0))
+#: Share of the way back in one round, and how much less it is one ring farther away.
+_SHARE, _FADE = 0.34, 0.2
+#: Rounds in which vertices are put back.
+_BACKS = 24
 
 FOLD, CROSSING = "a hex would be folded", "the boundary would cross itself"
 
@@ -47,8 +49,10 @@ class Faults:
         return self.folded | self.crossed
 
 
-def pull_back(moving: Moving, skin: Skin, calm: FitTerms) -> BoolArray:
-    """Pull vertices around faults to a calm place, and return those that were pulled, shape (n,).
+def pull_back(moving: Moving, skin: Skin, calm: FloatArray) -> BoolArray:
+    """Pull boundary vertices around faults towards calm places, shape (n,): those pulled.
+
+    A vertex goes a third of the way farther in each round in which a fault is near.
 
     Parameters
     ----------
@@ -57,23 +61,35 @@ def pull_back(moving: Moving, skin: Skin, calm: FitTerms) -> BoolArray:
     skin
         Their boundary.
     calm
-        Fit terms of the boundary vertices that lead to the calm places.
+        Places of the boundary vertices at which no facets cross, shape (b, 3).
+
+    Returns
+    -------
+    pulled
+        Whether each vertex of the mesh was pulled.
     """
-    pulled = np.zeros(len(moving.points), dtype=np.bool_)
+    vertices = skin.vertices
+    begin, share = moving.points[vertices], np.zeros(len(vertices))
+    hold = np.zeros((len(vertices), 6))
+    hold[:, :3] = 1.0
     for rings, weight in _PULLS:
         faults = Faults(moving, skin).any
         if not faults.any():
             break
-        pulled |= moving.spread(faults, rings)
-        chosen = pulled[skin.vertices]
-        terms = FitTerms(calm.matrix[chosen], calm.place[chosen])
-        moving.aim(skin.vertices[chosen], terms, np.full(int(chosen.sum()), weight))
-        moving.sweep(6)
+        near = moving.spread(faults, rings)[vertices]
+        share[near] = np.minimum(1.0, share[near] + _SHARE)
+        chosen = share > 0
+        places = begin + share[:, None] * (calm - begin)
+        terms = FitTerms(hold[chosen], places[chosen])
+        moving.aim(vertices[chosen], terms, np.full(int(chosen.sum()), weight))
+        moving.sweep(4)
+    pulled = np.zeros(len(moving.points), dtype=np.bool_)
+    pulled[vertices[share > 0]] = True
     return pulled
 
 
 def put_back(moving: Moving, skin: Skin, safe: FloatArray) -> BoolArray:
-    """Put vertices around faults back to safe places, and return those that were, shape (n,).
+    """Put vertices around faults back to safe places, shape (n,): those put back.
 
     The way back fades out over the rings around the faults.  At the latest it ends with all
     vertices in their safe places.
@@ -86,26 +102,33 @@ def put_back(moving: Moving, skin: Skin, safe: FloatArray) -> BoolArray:
         Their boundary.
     safe
         Places at which there is no fault, shape (n, 3).
+
+    Returns
+    -------
+    touched
+        Whether each vertex of the mesh was put back, by any share.
     """
-    fitted = moving.points.copy()
-    bad = np.zeros(len(fitted), dtype=np.bool_)
-    touched = bad.copy()
-    for rings in _RINGS:
+    fitted, share = moving.points.copy(), np.zeros(len(moving.points))
+    for round_ in range(_BACKS):
         faults = Faults(moving, skin).any
         if not faults.any():
-            return touched
-        bad |= faults
-        share = np.zeros(len(fitted))
-        ring = bad.copy()
-        for k in range(2 * rings + 1):
-            share[ring & (share == 0)] = min(1.0, (2 * rings + 1 - k) / (rings + 1))
-            ring = moving.spread(ring, 1)
-        touched = share > 0
+            return share > 0
+        near = moving.spread(faults, round_ // 4)
+        share[near] = np.minimum(1.0, share[near] + _SHARE)
+        for _ in range(int(1 / _FADE)):
+            share = np.maximum(share, _largest_around(moving, share) - _FADE)
         moving.points[:] = fitted + share[:, None] * (safe - fitted)
     if Faults(moving, skin).any.any():
         moving.points[:] = safe
-        touched[:] = True
-    return touched
+        share[:] = 1.0
+    return share > 0
+
+
+def _largest_around(moving: Moving, values: FloatArray) -> FloatArray:
+    """Return the largest value at any vertex of the hexes around each vertex, shape (n,)."""
+    largest = values.copy()
+    np.maximum.at(largest, moving.cells, values[moving.cells].max(axis=1)[:, None])
+    return largest
 
 
 def list_regions(

@@ -33,6 +33,10 @@ _SAME = 0.02
 _WEIGHTS = (10.0, 20.0, 50.0, 100.0, 200.0, 400.0, 400.0)
 #: Scaled Jacobian that the polish wishes for, and that ends it.
 _WISH, _ENOUGH = 0.5, 0.46
+#: Weight of the fit term that leads to the smoothed staircase.
+_CALM = 100.0
+#: Weight of the fit term that holds a vertex where it is, in the polish.
+_HOLD = 10.0
 #: Rounds of the polish, and the factor of the weights around bad hexes in each.
 _POLISHES, _RELEASE = 6, 0.25
 
@@ -94,7 +98,10 @@ class Rounds:
         free = np.full(len(points), 7, dtype=np.int64)
         is_on = on_sides(points[pillowed.facets], target)
         for side in range(is_on.shape[1]):
-            free[pillowed.facets[is_on[:, side]]] &= ~(1 << (side // 2))
+            axis, at = side // 2, pillowed.facets[is_on[:, side]]
+            free[at] &= ~(1 << axis)
+            if target.sides is not None and (is_covered is None or is_covered.all()):
+                points[at, axis] = target.sides[side % 2, axis]
         if fixed is not None:
             new = np.arange(len(points))
             new[pillowed.inside] = pillowed.outside
@@ -108,7 +115,7 @@ class Rounds:
         moving = Moving.of(points, pillowed.cells, skin.vertices, free)
         matrix = squares(normals)
         matrix[:, :3] += 0.1
-        calm = FitTerms(matrix, skin.smooth(anchor, 3))
+        calm = FitTerms(matrix, skin.smooth_apart(anchor, 3))
         return cls(moving, skin, target, is_owned, pillowed.covers, anchor, calm)
 
     @property
@@ -157,12 +164,23 @@ class Rounds:
                 break
             self.moving.sweep(2)
             self._log("untangled")
+        self.moving.aim(self.skin.vertices, self.calm, np.full(self.skin.n_vertices, _CALM))
+        self.moving.sweep(3)
+        self._log("calm")
 
-    def stay(self) -> FitTerms:
-        """Return the fit terms that lead to the staircase itself."""
-        matrix = np.zeros((self.skin.n_vertices, 6))
+    def hold(self, chosen: BoolArray) -> None:
+        """Let the fit terms of some boundary vertices hold them where they are.
+
+        Parameters
+        ----------
+        chosen
+            Vertices of the mesh, shape (n,).
+        """
+        vertices = self.skin.vertices[chosen[self.skin.vertices]]
+        matrix = np.zeros((len(vertices), 6))
         matrix[:, :3] = 1.0
-        return FitTerms(matrix, self.anchor)
+        terms = FitTerms(matrix, self.moving.points[vertices])
+        self.moving.aim(vertices, terms, np.full(len(vertices), _HOLD))
 
     def follow(self, threshold: float) -> None:
         """Follow the level sets from the threshold of the mesh to 1/2.

@@ -9,7 +9,11 @@ import numba
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
+from tusqh.fitting.crossings import find_crossings
 from tusqh.grid import FloatArray, IntArray
+
+#: How often the way to the smoothed points is halved where facets would cross.
+_HALVINGS = 6
 
 
 @dataclass(frozen=True)
@@ -89,6 +93,29 @@ class Skin:
         for _ in range(rounds):
             points = 0.5 * points + 0.5 * (self.averages @ points)
         return points
+
+    def smooth_apart(self, points: FloatArray, rounds: int) -> FloatArray:
+        """Return smoothed points, less far from the given ones where facets would cross.
+
+        Parameters
+        ----------
+        points
+            Places of `vertices`, at which no facets cross, shape (b, 3).
+        rounds
+            See `smooth`.
+        """
+        away = self.smooth(points, rounds) - points
+        share = np.ones(len(points))
+        for _ in range(_HALVINGS):
+            places = points + share[:, None] * away
+            is_crossed = find_crossings(places, self.facets)
+            if not is_crossed.any():
+                return np.asarray(places)
+            near = np.zeros(len(points), dtype=np.bool_)
+            near[self.facets[is_crossed]] = True
+            near[self.facets[near[self.facets].any(axis=1)]] = True
+            share[near] *= 0.5
+        return np.asarray(points + np.where(near, 0.0, share)[:, None] * away)
 
 
 def unit(vectors: FloatArray) -> FloatArray:
