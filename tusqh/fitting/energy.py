@@ -68,10 +68,7 @@ def _add_pair(h, s, p, q):  # type: ignore[no-untyped-def]
 
 @numba.njit(cache=True)
 def _edges(points, cells, neighbours, cell, o, v, at):  # type: ignore[no-untyped-def]
-    """Return the edges at a corner with vertex v at a place; the edge that ends there comes first.
-
-    A rotation of the edges keeps their determinant.
-    """
+    """Return the edges at a corner with vertex v at a place; one that ends there comes first."""
     i, j, k = cells[cell, o], cells[cell, neighbours[o, 0]], cells[cell, neighbours[o, 1]]
     m = cells[cell, neighbours[o, 2]]
     if k == v:
@@ -113,10 +110,7 @@ def _energy(points, cells, neighbours, entries, v, at, eps, power, wish):  # typ
 
 @numba.njit(cache=True)
 def _add_ratio(g, h, d, square, q, twice, u, eps, power):  # type: ignore[no-untyped-def]
-    """Add the derivatives of ``f^p + BARRIER / chi`` of one corner.
-
-    `q` and `twice` are the first and second derivatives of the sum of squares, `u` is that of d.
-    """
+    """Add the derivatives of the energy of a corner; `q`, `twice`: of the squares, `u`: of d."""
     chi, slope, bend = d, 1.0, 0.0
     if eps > 0.0:
         root = math.sqrt(d * d + eps * eps)

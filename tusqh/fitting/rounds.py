@@ -215,7 +215,7 @@ class Rounds:
         """
         places = self.places
         found = project(self.padded, places, value)
-        normals, _ = self.skin.normals(places)
+        normals, _ = self.skin.normals(places, self.is_owned)
         is_found = found.is_found & ((found.normals * normals).sum(axis=1) > 0) & self.is_own
         is_found &= np.linalg.norm(found.points - self.anchor, axis=1) <= _CAP
         matrix = squares(found.normals)
@@ -234,7 +234,7 @@ class Rounds:
         """
         places = self.places
         facets = self.skin.facets
-        normals, areas = self.skin.normals(places)
+        normals, areas = self.skin.normals(places, self.is_owned)
         own = find_samples(self.bins, places, normals, _CAP)
         is_found = own.is_found & self.is_own
         is_found &= np.linalg.norm(own.points - self.anchor, axis=1) <= _CAP

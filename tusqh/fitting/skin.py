@@ -10,7 +10,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 
 from tusqh.fitting.crossings import find_crossings
-from tusqh.grid import FloatArray, IntArray
+from tusqh.grid import BoolArray, FloatArray, IntArray
 
 #: How often the way to the smoothed points is halved where facets would cross.
 _HALVINGS = 6
@@ -60,13 +60,17 @@ class Skin:
         graph.data /= np.repeat(degree, np.diff(graph.indptr))
         return graph
 
-    def normals(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def normals(
+        self, points: FloatArray, is_counted: BoolArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
         """Return unit normals of the vertices and area vectors of the facets.
 
         Parameters
         ----------
         points
             Places of `vertices`, shape (b, 3).
+        is_counted
+            Facets that count for the normals of vertices, shape (f,); None: all.
 
         Returns
         -------
@@ -77,7 +81,8 @@ class Skin:
         """
         of_facets = np.empty((len(self.facets), 3))
         of_vertices = np.zeros_like(points)
-        _add_normals(points, self.facets, of_facets, of_vertices)
+        counts = np.ones(len(self.facets), dtype=np.bool_) if is_counted is None else is_counted
+        _add_normals(points, self.facets, counts, of_facets, of_vertices)
         return unit(of_vertices), of_facets
 
     def smooth(self, points: FloatArray, rounds: int) -> FloatArray:
@@ -131,7 +136,7 @@ def unit(vectors: FloatArray) -> FloatArray:
 
 
 @numba.njit(cache=True)
-def _add_normals(points, facets, of_facets, of_vertices):  # type: ignore[no-untyped-def]
+def _add_normals(points, facets, is_counted, of_facets, of_vertices):  # type: ignore[no-untyped-def]
     """Fill in the area vectors of facets, and add them up at their corners."""
     for f in range(len(facets)):
         a, b, c, d = facets[f, 0], facets[f, 1], facets[f, 2], facets[f, 3]
@@ -148,6 +153,6 @@ def _add_normals(points, facets, of_facets, of_vertices):  # type: ignore[no-unt
         of_facets[f, 0] = (uy * vz - uz * vy) / 2
         of_facets[f, 1] = (uz * vx - ux * vz) / 2
         of_facets[f, 2] = (ux * vy - uy * vx) / 2
-        for corner in range(4):
+        for corner in range(4 if is_counted[f] else 0):
             for k in range(3):
                 of_vertices[facets[f, corner], k] += of_facets[f, k]
