@@ -78,6 +78,8 @@ class Choice:
         if self.selection.base is None:
             return self.selection
         one = replace(goal, scope="global", features=None)
+        if self.selection.wishes:  # No threshold needs to give what they do.
+            one = Goal(threshold=self.selection.base)
         return choose_threshold(self.plateaus, one, name=name)[0]
 
 

@@ -206,6 +206,8 @@ class Goal(Section):
             if feature.row is not None and rows.setdefault(feature.row, feature.do) != feature.do:
                 found = f"row {feature.row} is in two wishes, {rows[feature.row]} and {feature.do}"
                 yield ("features", str(k)), found, "one wish for each feature"
+        if self.features and self.scope == "global":
+            yield ("features",), "`scope: global` is given too", "the local scope, or no features"
         for other in ("persistence", "volume"):
             if self.features and getattr(self, other) is not None:
                 yield ("features",), f"`{other}` is given too", "`threshold` or `target`, or none"

@@ -6,6 +6,7 @@ import pandas as pd
 
 from tusqh.local_topology.move import approach
 from tusqh.settings.goal import Target
+from tusqh.threshold.by_features import choose_by_features
 from tusqh.threshold.by_volume import choose_by_volume
 from tusqh.threshold.candidates import rank_candidates
 from tusqh.threshold.describe_choice import describe_choice, describe_rank
@@ -25,6 +26,9 @@ def choose_by_target(
     name: str,
 ) -> tuple[Selection, pd.DataFrame]:
     """Return the first interval with the target Betti numbers whose measured mesh confirms them.
+
+    If there is none and a base is given, features of the base are opened, cut and filled instead,
+    see `tusqh.threshold.by_features`.
 
     Within the interval the threshold is 1/2 or the one with the best volume, see
     `tusqh.threshold.within_interval.take_threshold_of`.
@@ -57,7 +61,9 @@ def choose_by_target(
     predicted = plateaus.table
     is_wanted = matches(predicted, target)
     if not (is_wanted & (predicted["cells"] > 0)).any():
-        raise unreachable_target(predicted, target, name)
+        if base is None or matches_volume:
+            raise unreachable_target(predicted, target, name)
+        return choose_by_features(plateaus, (), base, target=target, name=name)
     if matches_volume:
         return choose_by_volume(plateaus, is_wanted, also=str(target), base=base, name=name)
     candidates = rank_candidates(predicted, pd.Series(is_wanted), base=base)

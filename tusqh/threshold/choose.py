@@ -50,7 +50,11 @@ def choose_threshold(
     goal = goal or Goal()
     if goal.features:
         return choose_by_features(
-            plateaus, goal.features, _base_of_features(plateaus, goal, name), name=name
+            plateaus,
+            goal.features,
+            _base_of_features(plateaus, goal, name),
+            target=goal.target,
+            name=name,
         )
     matches_volume = goal.volume is not None
     if goal.target is not None:

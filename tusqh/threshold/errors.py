@@ -7,9 +7,12 @@ import pandas as pd
 
 from tusqh.antialias.cells import CellSets
 from tusqh.errors import TopologyError
+from tusqh.local_topology.classes import CLASSES
+from tusqh.local_topology.features import Features
 from tusqh.settings.goal import Target
 from tusqh.threshold.goals import distances
 from tusqh.threshold.plateaus import list_intervals, list_reachable, merge_intervals
+from tusqh.topology.betti_numbers import BettiNumbers
 
 #: Largest number of intervals that are listed if a target is not reached.
 NEAREST = 10
@@ -27,20 +30,70 @@ def unreachable_target(predicted: pd.DataFrame, target: Target, name: str) -> To
     name
         The model.
     """
+    return TopologyError(
+        f"no threshold gives {target}",
+        where=name,
+        expected="Betti numbers that some threshold reaches, the nearest first:\n"
+        + _list_nearest(predicted, target),
+        remedy="ask for one of these, use another grid (`--cells`), or remove small components "
+        "(`--min-cells`) or fill small holes in 2D and voids in 3D (`--holes-min-cells`, "
+        "`--voids-min-cells`)",
+    )
+
+
+def _list_nearest(predicted: pd.DataFrame, target: Target) -> str:
+    """Return the intervals nearest to a target as lines of text."""
     intervals = merge_intervals(predicted)
     order = np.lexsort((-intervals["width"].to_numpy(), distances(intervals, target)))
     nearest = intervals.iloc[order[:NEAREST]]
     n_more = len(intervals) - len(nearest)
     more = f"\n    and {n_more} more intervals: `tusqh inspect --all` lists them" if n_more else ""
+    return list_intervals(nearest) + more
+
+
+def unreachable_by_features(
+    predicted: pd.DataFrame,
+    features: Features,
+    nearest: BettiNumbers,
+    target: Target,
+    *,
+    name: str,
+) -> TopologyError:
+    """Return the error for Betti numbers that no threshold and no choice of cuts and fills gives.
+
+    Parameters
+    ----------
+    predicted
+        See `tusqh.threshold.plateaus.Plateaus.table`.
+    features
+        The classes at the base.
+    nearest
+        The nearest Betti numbers that were found.
+    target
+        The target Betti numbers.
+    name
+        The model.
+    """
+    classes = features.classes
+    numbers = ", ".join(
+        f"{(classes['class'] == kind).sum()} of the class {kind} "
+        f"({(classes['is_there'] & (classes['class'] == kind)).sum()} of them at the base)"
+        for kind in CLASSES[: features.grid.dim]
+    )
+    wanted = target.given()
+    if distances(pd.DataFrame([{"betti_0": 0}]), Target(betti_0=wanted.get("betti_0", 1)))[0] == 0:
+        why = "a mesh has at least one component"
+    else:
+        why = f"the diagram has {numbers}, and each can be opened, cut or filled only once"
     return TopologyError(
-        f"no threshold gives {target}",
+        f"no threshold gives {target}, and no features opened, cut or filled at "
+        f"{features.base:.6g} do",
         where=name,
-        expected="Betti numbers that some threshold reaches, the nearest first:\n"
-        + list_intervals(nearest)
-        + more,
-        remedy="ask for one of these, use another grid (`--cells`), or remove small components "
-        "(`--min-cells`) or fill small holes in 2D and voids in 3D (`--holes-min-cells`, "
-        "`--voids-min-cells`)",
+        expected=f"Betti numbers that can be reached. The nearest found with features are "
+        f"{nearest}: {why}. By one threshold, the nearest first:\n"
+        + _list_nearest(predicted, target),
+        remedy="ask for these, use another grid (`--cells`) or `--base`, or name features "
+        "(`--open`, `--cut`, `--fill`), whose prices are in prices.csv",
     )
 
 

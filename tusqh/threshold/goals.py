@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cache
+
 import numpy as np
 import pandas as pd
 
 from tusqh.grid import BoolArray, FloatArray
 from tusqh.settings.goal import Range, Target
+from tusqh.topology.betti_numbers import BettiNumbers
 
 
 def matches(numbers: pd.DataFrame, target: Target) -> BoolArray:
@@ -28,6 +32,26 @@ def matches(numbers: pd.DataFrame, target: Target) -> BoolArray:
     [True, False, True]
     """
     return np.asarray(distances(numbers, target) == 0)
+
+
+def distance_to(target: Target) -> Callable[[BettiNumbers], float]:
+    """Return a function that gives the distance of Betti numbers to a target, see `distances`.
+
+    Parameters
+    ----------
+    target
+        The wanted ones.
+
+    Examples
+    --------
+    >>> distance_to(Target(betti_0=1, betti_1=Range(min=3)))(BettiNumbers(2, 1))
+    3.0
+    """
+
+    def distance(betti: BettiNumbers) -> float:
+        return float(distances(pd.DataFrame([betti]), target)[0])
+
+    return cache(distance)
 
 
 def distances(numbers: pd.DataFrame, target: Target) -> FloatArray:
