@@ -278,8 +278,11 @@ def paper_targets():
 
 
 def many_steps_here():
-    """Return whether a process with all imports saves time: for many steps on this machine."""
-    if not (workflow.local_exec and hasattr(os, "fork")) or "COVERAGE_PROCESS_START" in os.environ:
+    """Return whether a process with all imports saves time: for many steps on this machine.
+
+    Libraries of macOS do not survive a fork.
+    """
+    if not (workflow.local_exec and sys.platform == "linux") or "COVERAGE_PROCESS_START" in os.environ:
         return False
     return sum(bool(job.rule.script) for job in workflow.dag.needrun_jobs()) >= 20
 

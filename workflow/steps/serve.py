@@ -20,6 +20,7 @@ import signal
 import socket
 import sys
 import traceback
+import warnings
 from pathlib import Path
 
 import numba
@@ -132,7 +133,9 @@ def run(steps: Steps, connection: socket.socket, step: dict, files: list[int]) -
     os.environ.clear()
     os.environ.update(step["environment"])
     threads = int(step["environment"].get("OMP_NUM_THREADS", "1"))
-    numba.set_num_threads(min(threads, numba.config.NUMBA_NUM_THREADS))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", numba.NumbaWarning)  # A library that is too old to be used.
+        numba.set_num_threads(min(threads, numba.config.NUMBA_NUM_THREADS))
     sys.argv = step["command"][1:]
     sys.path[0] = os.path.dirname(sys.argv[0])  # noqa: PTH120
     code: object = 0
