@@ -40,13 +40,14 @@ def box_of(grid):
 
 
 def make_subject(fractions, policy=None, *, name="noise", threshold=0.5):
-    """Return everything about a field that its explorer shows."""
+    """Return everything about a field that its explorer shows; a policy may hold a goal instead."""
     settings = Settings.from_dict(policy or {})
+    goal = Goal(threshold=threshold) if settings.goal == Goal() else settings.goal
     cell_sets = CellSets(fractions, settings.policy)
     curves = cell_sets.topology.curves
     plateaus = Plateaus(cell_sets)
-    selection, _ = choose_threshold(plateaus, Goal(threshold=threshold), name=name)
-    built = build_mesh(cell_sets.at(selection.threshold), fractions.grid, name=name)
+    selection, _ = choose_threshold(plateaus, goal, name=name)
+    built = build_mesh(selection.cells, fractions.grid, name=name)
     verdict = pd.DataFrame(
         [("a_check", "a check", "0", "0", "yes")],
         columns=["id", "name", "found", "required", "holds"],

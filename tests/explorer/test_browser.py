@@ -1,6 +1,7 @@
 """Explorers opened from disk in a browser show what the library computes."""
 
 import json
+import shlex
 from dataclasses import replace
 
 import numpy as np
@@ -13,9 +14,15 @@ from tusqh.antialias.cells import CellSets
 from tusqh.explorer.page import make_page
 from tusqh.geometry.image import Image
 from tusqh.grid import BackgroundGrid
+from tusqh.local_topology.features import Features
+from tusqh.local_topology.prices import tabulate_prices
 from tusqh.meshes.volume_mesh import KINDS
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.settings.arguments import from_options
+from tusqh.settings.model import Settings
 from tusqh.settings.policy import Policy
+from tusqh.threshold.choose import choose_threshold
+from tusqh.threshold.plateaus import BETTI, Plateaus
 from tusqh.topology.persistence import count_alive
 
 #: These make WebGL work without a graphics card, and prevent network access of the browser.
@@ -543,3 +550,93 @@ def test_the_ends_of_a_plateau_differ(opened):
         ([0, 2**-20], ["0", "9.54e-7"]),
     ):
         assert opened.evaluate("([low, high]) => showApart(low, high)", ends) == shown
+
+
+@pytest.fixture(scope="module", params=["plane", "space"])
+def local(request, browser, tmp_path_factory):
+    """Return a model of local changes, and its page."""
+    shape = SHAPES[request.param]
+    fractions = noise(np.random.default_rng(3), shape)
+    table = Plateaus(CellSets(fractions)).table
+    at_base = CellSets(fractions).at(0.5).predicted
+    wanted = next(b for b in table[BETTI].to_numpy()[len(table) // 4 :].tolist() if b != [*at_base])
+    goal = {"target": dict(zip(BETTI, wanted, strict=True))}
+    subject = make_subject(fractions, goal, name=f"local_{request.param}")
+    path = tmp_path_factory.mktemp("explorer") / "local.html"
+    path.write_text(make_page(subject), encoding="utf-8")
+    opened = Opened(browser, path)
+    yield subject, opened
+    assert opened.messages == []
+    opened.page.close()
+
+
+def test_the_final_mesh_of_local_changes_is_that_of_the_library(local):
+    subject, opened = local
+    cells = subject.selection.cells
+    opened.page.click("[data-view='mesh']")
+    assert opened.betti() == list(cells.predicted)[: cells.kept.ndim]
+    assert opened.cells() == cells.kept.sum()
+    assert opened.evaluate("explorer.state().threshold") == 0.5
+    shown = opened.evaluate("explorer.changes.map(({cells}) => [...cells])")
+    added, left_out = cells.kept & ~cells.in_base, cells.in_base & ~cells.kept
+    assert shown == [np.flatnonzero(added).tolist(), np.flatnonzero(left_out).tolist()]
+    drawn = "explorer.boxes.object.children.map((box) => box.geometry.attributes.position.count)"
+    counts = [8 * len(group) for group in shown if group]
+    assert opened.evaluate(drawn) == counts != []
+    settings = from_options(Settings, options_in(opened.text("#command")))
+    assert settings.goal.target == subject_goal(subject)
+    assert f"{cells.n_changes} cell" in opened.text("#note")
+    opened.page.click("[data-view='cells']")
+    assert opened.evaluate(drawn) == []
+    assert "--threshold 0.5" in opened.text("#command")
+
+
+def test_a_click_on_a_class_offers_what_can_be_done_and_shows_the_cells(local):
+    subject, opened = local
+    features = Features(CellSets(subject.fractions), 0.5)
+    prices = tabulate_prices(features)
+    offers = opened.evaluate("explorer.wishes.offers")
+    assert len(offers) == len(prices)
+    n_shown = 0
+    for k in range(0, len(offers), max(1, len(offers) // 8)):
+        price = prices.iloc[k]
+        assert (offers[k]["row"], offers[k]["do"]) == (price["row"], price["do"])
+        pair = offers[k]["pair"]
+        assert opened.evaluate("p => explorer.diagram.birth(p)", pair) == price["birth"]
+        opened.evaluate("p => { explorer.diagram.pinned = -1; explorer.diagram.pin(p); }", pair)
+        if not price["possible"]:
+            assert price["why"] in opened.text("#pair")
+            continue
+        before = opened.evaluate("explorer.facts.final.base")
+        opened.page.click(f'#pair [data-wish="{k}"]')
+        assert opened.evaluate("explorer.state().threshold") == before
+        settings = from_options(Settings, options_in(opened.text("#command")))
+        (wish,) = settings.goal.features
+        assert (wish.row, wish.do, settings.goal.threshold) == (price["row"], price["do"], 0.5)
+        chosen, _ = choose_threshold(Plateaus(CellSets(subject.fractions)), settings.goal)
+        assert opened.cells() == chosen.cells.kept.sum()
+        assert opened.betti() == list(chosen.predicted)[: chosen.cells.kept.ndim]
+        shown = opened.evaluate("[...explorer.wishes.cells(explorer.wishes.shown)]")
+        assert shown == np.flatnonzero(chosen.cells.kept != chosen.cells.in_base).tolist()
+        opened.page.click(f'#pair [data-wish="{k}"]')
+        assert "--threshold 0.5" in opened.text("#command")
+        assert opened.evaluate("explorer.boxes.object.children.length") == 0
+        n_shown += 1
+    assert n_shown > 3
+
+
+def subject_goal(subject):
+    """Return the target of the command that makes the final mesh."""
+    return from_options(Settings, options_in(subject.command.goal)).goal.target
+
+
+def options_in(line):
+    """Return the options of a command line, by name; those of features are lists."""
+    words, options = shlex.split(line), {}
+    for k, word in enumerate(words):
+        name = word.removeprefix("--").replace("-", "_")
+        if word.startswith("--") and name in ("open", "cut", "fill"):
+            options.setdefault(name, []).append(words[k + 1])
+        elif word.startswith("--"):
+            options[name] = words[k + 1]
+    return options

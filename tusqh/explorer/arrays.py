@@ -127,6 +127,18 @@ def _toggles(cell_sets: CellSets, topologies: pd.DataFrame, of_mesh: IntArray) -
     }
 
 
+def order_pairs(pairs: pd.DataFrame) -> IntArray:
+    """Return the rows of the persistence pairs in the order of the page, longest-lived first.
+
+    Parameters
+    ----------
+    pairs
+        See `pair_arrays`.
+    """
+    columns = -pairs["birth"], pairs["dimension"], -pairs["persistence"]
+    return np.lexsort([column.to_numpy(dtype=float) for column in columns])
+
+
 def pair_arrays(pairs: pd.DataFrame, grid: BackgroundGrid) -> Arrays:
     """Return the persistence pairs, sorted by decreasing persistence.
 
@@ -143,9 +155,7 @@ def pair_arrays(pairs: pd.DataFrame, grid: BackgroundGrid) -> Arrays:
         `dimension`, `birth` and `death` (keys), and the places that create and destroy each
         class as flat indices into the doubled grid, -1 if nothing destroys it.
     """
-    pairs = pairs.sort_values(
-        ["persistence", "dimension", "birth"], ascending=[False, True, False], kind="stable"
-    )
+    pairs = pairs.iloc[order_pairs(pairs)]
     arrays: Arrays = {"dimension": pairs["dimension"].to_numpy().astype(np.uint8)}
     shape = tuple(2 * n + 1 for n in grid.shape)
     for event in ("birth", "death"):

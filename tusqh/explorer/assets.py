@@ -8,7 +8,7 @@ from importlib import resources
 #: The scripts of the page, in loading order.
 SCRIPTS = (
     *("colours", "payload", "plateaus", "faces", "shaders", "layers", "stage", "axes"),
-    *("curves", "diagram", "tables", "common", "main"),
+    *("curves", "diagram", "changes", "tables", "common", "main"),
 )
 
 #: Those of the page about several materials, which has no threshold to move.

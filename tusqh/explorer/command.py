@@ -53,5 +53,6 @@ def mesh_command(geometry: str, settings: Settings, *, name: str) -> Command:
     if settings.grid == Grid():
         words += ["--cells", str(settings.grid.cells)]
     words += to_words(settings, without=("goal",))
-    goal = to_words(Settings(goal=settings.goal)) if settings.goal.is_local else []
+    has_changes = settings.goal.is_local or settings.goal.features
+    goal = to_words(Settings(goal=settings.goal)) if has_changes else []
     return Command(shlex.join(words), shlex.join(["-o", f"{name}.vtu"]), shlex.join(goal))

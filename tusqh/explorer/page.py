@@ -20,15 +20,19 @@ from tusqh.explorer.arrays import (
     field_arrays,
     geometry_arrays,
     mesh_arrays,
+    order_pairs,
     pair_arrays,
     plateau_arrays,
 )
 from tusqh.explorer.assets import STYLE, TEMPLATE, read_asset, read_script, read_three
+from tusqh.explorer.changes import changed_cells, offer_wishes
 from tusqh.explorer.encode import Packed, pack
 from tusqh.explorer.subject import Subject
 from tusqh.meshes.volume_mesh import KINDS
 from tusqh.quality.verdict import overall
 from tusqh.threshold.plateaus import BETTI
+from tusqh.topology.persistence import place_pairs
+from tusqh.topology.topology import Topology
 
 
 def make_page(subject: Subject) -> str:
@@ -48,7 +52,14 @@ def make_page(subject: Subject) -> str:
         "mesh": pack(mesh_arrays(subject.mesh, grid)),
         "geometry": pack(geometry_arrays(subject.geometry, grid)),
     }
-    facts = describe(subject) | {"up": subject.up}
+    changes, final = changed_cells(cell_sets, subject.selection, subject.mesh)
+    topology = Topology.from_tables(
+        subject.fractions.multiples, subject.curves, place_pairs(subject.diagram, grid)
+    )
+    cell_sets = CellSets(subject.fractions, subject.selection.policy, topology=topology)
+    wishes, offers = offer_wishes(cell_sets, final["base"], order_pairs(subject.diagram))
+    blocks |= {"changes": pack(changes), "wishes": pack(wishes)}
+    facts = describe(subject) | {"up": subject.up, "final": final, "wishes": offers}
     return assemble(TEMPLATE, subject.name, facts, blocks, script=read_script())
 
 

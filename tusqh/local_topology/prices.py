@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from tusqh.local_topology.changes import ADDED, LEFT_OUT
-from tusqh.local_topology.features import Features, Impossible
+from tusqh.local_topology.features import Done, Features, Impossible
 from tusqh.local_topology.wishes import CUT, FILL, OPEN, Wish
 
 #: Columns of the table of prices, before the coordinates.
@@ -17,6 +18,27 @@ PRICE_COLUMNS += ["betti_0", "betti_1", "betti_2", "possible", "why"]
 
 #: Largest product of the number of rows and that of the grid's cells for which prices are found.
 _WORK = 1_500_000
+
+
+class Tried(NamedTuple):
+    """A wish that was tried by itself.
+
+    Parameters
+    ----------
+    wish
+        The wish.
+    adds
+        Whether cells are added, not left out.
+    done
+        The cells afterwards; None if the wish is impossible.
+    why
+        Why it is impossible, in words.
+    """
+
+    wish: Wish
+    adds: bool
+    done: Done | None
+    why: str = ""
 
 
 def tabulate_prices(features: Features, rows: Sequence[int] | None = None) -> pd.DataFrame:
@@ -53,27 +75,42 @@ def tabulate_prices(features: Features, rows: Sequence[int] | None = None) -> pd
     >>> found.loc[found["possible"], ["row", "do", "change", "cells"]].values.tolist()
     [[1, 'open', 'left out', 1]]
     """
-    start = features.start()
-    is_there = features.classes["is_there"].to_numpy()
-    found = []
-    for row in range(len(is_there)) if rows is None else rows:
-        about = features.classes.iloc[row]
-        for do in (CUT, FILL) if is_there[row] else (OPEN,):
-            adds = do == FILL or (do == OPEN and about["birth"] < features.base)
-            known = [row, about["class"], about["birth"], about["death"], do]
-            try:
-                done = features.apply(start, Wish(row, do))
-            except Impossible as why:
-                price = [pd.NA, np.nan, pd.NA, pd.NA, pd.NA, False, str(why)]
-            else:
-                n = len(done.steps[0][1])
-                volume = n * features.grid.cell_size**features.grid.dim
-                price = [n, volume, *np.subtract(done.betti, start.betti).tolist(), True, ""]
-            place = features.points[row].tolist()
-            found.append([*known, ADDED if adds else LEFT_OUT, *price, *place])
+    start, found = features.start(), []
+    for wish, adds, done, why in try_wishes(features, rows):
+        about = features.classes.iloc[wish.row]
+        known = [wish.row, about["class"], about["birth"], about["death"], wish.do]
+        price = [pd.NA, np.nan, pd.NA, pd.NA, pd.NA, False, why]
+        if done is not None:
+            n = len(done.steps[0][1])
+            volume = n * features.grid.cell_size**features.grid.dim
+            price = [n, volume, *np.subtract(done.betti, start.betti).tolist(), True, ""]
+        place = features.points[wish.row].tolist()
+        found.append([*known, ADDED if adds else LEFT_OUT, *price, *place])
     table = pd.DataFrame(found, columns=no_prices(features.grid.dim).columns)
     counts = dict.fromkeys(("cells", "betti_0", "betti_1", "betti_2"), "Int64")
     return table.astype({"possible": bool, **counts})
+
+
+def try_wishes(features: Features, rows: Sequence[int] | None = None) -> Iterator[Tried]:
+    """Yield each way to change each class at the base, tried by itself.
+
+    Parameters
+    ----------
+    features
+        The classes at the base.
+    rows
+        Rows of the classes; None: all.
+    """
+    start = features.start()
+    is_there = features.classes["is_there"].to_numpy()
+    for row in range(len(is_there)) if rows is None else rows:
+        is_low = bool(features.classes["birth"].iloc[row] < features.base)
+        for do in (CUT, FILL) if is_there[row] else (OPEN,):
+            wish, adds = Wish(row, do), do == FILL or (do == OPEN and is_low)
+            try:
+                yield Tried(wish, adds, features.apply(start, wish))
+            except Impossible as why:
+                yield Tried(wish, adds, None, str(why))
 
 
 def no_prices(dim: int) -> pd.DataFrame:

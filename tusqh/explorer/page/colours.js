@@ -4,6 +4,8 @@
 const COLOURS = {
   material: '#a9d6ee',
   removed: '#3a3a3a',
+  added: '#e7298a',
+  leftOut: '#3a3a3a',
   filled: '#5b8db8',
   section: '#7fb4d3',
   outline: '#555555',

@@ -15,11 +15,17 @@ class Explorer {
     document.body.classList.add(this.isFlat ? 'flat' : 'solid');
     this.dimensions = this.isFlat ? [0, 1] : [0, 1, 2];
     this.rank = blocks.field.rank;
-    this.plateaus = new Plateaus(blocks.plateaus, blocks.field, facts.chosen.threshold);
+    // Most cells of the final mesh are those of its base; its topology may be that of a seed.
+    this.plateaus = new Plateaus(blocks.plateaus, blocks.field, facts.final.base);
     this.exceptions = new Exceptions(blocks.plateaus, this.rank.length);
     this.faces = new Faces(blocks.field, facts.grid.shape);
     this.view = 'cells';
     this.window = null;
+    this.wishes = new Wishes(facts.wishes, blocks.wishes);
+    this.changes = [
+      { cells: blocks.changes.added, colour: COLOURS.added },
+      { cells: blocks.changes.left_out, colour: COLOURS.leftOut },
+    ];
     this.hasGeometry = blocks.geometry.pieces.length > 0; // Images and huge files have none.
     this.makeStage(blocks);
     this.makePanels(blocks);
@@ -44,8 +50,10 @@ class Explorer {
     this.layers.mesh = new MeshLayer(blocks.mesh, this.faces, blocks.mesh.kind, KIND_COLOURS);
     this.geometry = geometryObject(blocks.geometry, this.isFlat);
     this.markers = new Markers(this.facts.grid.shape, this.isFlat);
+    this.boxes = new CellBoxes(this.facts.grid.shape, this.isFlat);
     const { scene } = this.stage;
     scene.add(this.layers.cells.object, this.layers.mesh.object, this.geometry, this.markers.object);
+    scene.add(this.boxes.object);
     this.axes = new Axes(this.stage, this.facts.grid, lengthScale(this.facts));
     this.axes.markers = () => this.markers.places;
     this.stage.look('oblique');
@@ -148,6 +156,7 @@ class Explorer {
     if (leaves && this.plateau !== undefined && p !== this.plateau) this.setView('cells');
     if (p !== this.plateau) {
       this.plateau = p;
+      this.showWish(-1);
       this.exceptions.moveTo(p);
       this.drawCells();
       this.curves.draw(p);
@@ -195,8 +204,34 @@ class Explorer {
       this.layers.mesh.object.visible = view === 'mesh';
       this.geometry.visible = view === 'geometry' || (this.isFlat && byId('outline').checked);
     }
+    if (view !== 'cells') this.wishes.shown = -1;
+    this.drawChanges();
     if (this.plateau !== undefined) this.writeState();
     this.recolour();
+  }
+
+  /** Show the cells of a wish, or those in which the final mesh differs from its base. */
+  drawChanges() {
+    if (!this.stage) return;
+    this.boxes.set(this.view === 'mesh' ? this.changes : this.wishes.groups());
+    this.stage.invalidate();
+  }
+
+  /** Show what it takes to open, cut or fill a class; -1: nothing. */
+  showWish(k) {
+    if (k === this.wishes.shown) return;
+    this.wishes.shown = -1;
+    if (k >= 0) {
+      if (this.view !== 'cells') this.setView('cells');
+      this.setPlateau(this.plateaus.chosen);
+      this.wishes.shown = k;
+    }
+    this.drawChanges();
+    if (this.plateau !== undefined) {
+      this.writeState();
+      this.showPair(this.diagram.shown);
+      this.writeLegend(byId('colour').value);
+    }
   }
 
   recolour() {
@@ -272,6 +307,29 @@ class Explorer {
     if (!never) add('Set threshold to death', () => this.setThreshold(death));
     add('Zoom to feature', () => this.stage && this.stage.approach(this.markers.locate(pairs.birth_place[i]).centre));
     card.append(buttons);
+    this.offer(i, card);
+  }
+
+  /** Offer what can be done about a class at the cells of the final mesh's base. */
+  offer(i, card) {
+    const numbers = this.wishes.of(i);
+    if (!numbers.length) return;
+    card.append(element('p', 'quiet', `At the threshold ${show(this.facts.final.base, 6)}, by itself:`));
+    const buttons = element('div', 'buttons');
+    for (const k of numbers) {
+      const { why, do: what } = this.wishes.offers[k];
+      if (why) {
+        card.append(element('p', 'quiet', `${what}: ${why}`));
+        continue;
+      }
+      const button = element('button', '', this.wishes.describe(k));
+      button.type = 'button';
+      button.dataset.wish = k;
+      button.setAttribute('aria-pressed', k === this.wishes.shown);
+      button.addEventListener('click', () => this.showWish(k === this.wishes.shown ? -1 : k));
+      buttons.append(button);
+    }
+    card.append(buttons);
   }
 
   /** Return what is on the screen, as numbers. */
@@ -287,10 +345,15 @@ class Explorer {
 
   writeState() {
     const now = this.state();
-    const { grid, chosen } = this.facts;
+    const { grid, chosen, final } = this.facts;
+    const { offer } = this.wishes;
     byId('threshold').textContent = show(now.threshold, 8);
     const [lower, upper] = showApart(now.lower, now.upper);
     byId('interval').textContent = `plateau ${lower} < t \u2264 ${upper}`;
+    const isLocal = this.view === 'mesh' && final.is_local;
+    if (isLocal || offer) now.mesh = isLocal ? final.betti : offer.betti;
+    if (isLocal) now.cells = final.cells;
+    if (offer) now.cells += (offer.adds ? 1 : -1) * this.wishes.cells(this.wishes.shown).length;
     const betti = now.mesh || now.raw;
     byId('betti').replaceChildren(...this.dimensions.map((k) => {
       const row = element('div');
@@ -311,7 +374,8 @@ class Explorer {
     const words = this.dimensions.map((k) => `${betti[k]} ${DIMENSION_NAMES[k][betti[k] === 1 ? 0 : 1]}`);
     slider.setAttribute('aria-valuetext', `${show(now.threshold, 8)}: ${words.join(', ')}${whose && ` (${whose})`}, ${now.cells} cells kept`);
     const { command } = this.facts;
-    const goal = this.view === 'mesh' && command.goal ? command.goal : `--threshold ${now.threshold}`;
+    let goal = this.view === 'mesh' && command.goal ? command.goal : `--threshold ${now.threshold}`;
+    if (offer) goal += ` --${offer.do} ${offer.row}`;
     const line = `${command.before} ${goal} ${command.after}`;
     const parts = line.split(' ').flatMap((word) => [element('span', '', word), ' ']);
     byId('command').replaceChildren(...parts.slice(0, -1)); // Lines break between words only.
@@ -319,10 +383,11 @@ class Explorer {
     this.writeDiagramLegend(now);
     this.topologies.mark(this.plateau);
     const note = byId('note');
-    note.hidden = this.view === 'cells';
-    note.textContent = this.view === 'mesh'
-      ? `Mesh at the chosen threshold ${show(chosen.threshold)}: ${chosen.reason}`
-      : 'The geometry of the file, unrepaired';
+    note.hidden = this.view === 'cells' && !offer;
+    if (offer) note.textContent = `With ${this.wishes.describe(this.wishes.shown)}`;
+    else if (isLocal) note.textContent = describeLocal(final, chosen);
+    else if (this.view === 'mesh') note.textContent = `Mesh at the chosen threshold ${show(chosen.threshold)}: ${chosen.reason}`;
+    else note.textContent = 'The geometry of the file, unrepaired';
   }
 
   writeDiagramLegend(now) {
@@ -346,6 +411,7 @@ class Explorer {
     if (this.view === 'cells') {
       items = mode === 'fraction' ? legendScale('0', '1', 'volume fraction [-]') : [legendEntry(COLOURS.material, 'kept cells')];
       if (this.window && mode !== 'fraction') items.push(legendEntry(COLOURS.section, 'cut'));
+      if (this.wishes.offer) items.push(legendEntry(...(this.wishes.offer.adds ? [COLOURS.added, 'cells to add'] : [COLOURS.leftOut, 'cells to leave out'])));
       if (this.facts.has_removed) items.push(legendEntry(COLOURS.removed, 'removed components'));
       if (this.facts.has_filled) items.push(legendEntry(COLOURS.filled, this.isFlat ? 'filled holes' : 'filled voids'));
       items.push(...outline);
@@ -353,6 +419,9 @@ class Explorer {
       items = mode === 'quality' ? legendScale('0', '1', 'least scaled Jacobian [-]') : this.facts.kinds.map(
         ({ name, index, count }) => legendEntry(KIND_COLOURS[index], `${name} (${show(count)})`),
       );
+      const { added, left_out: leftOut, base } = this.facts.final;
+      if (added) items.push(legendEntry(COLOURS.added, `cells added to those of ${show(base)} (${show(added)})`));
+      if (leftOut) items.push(legendEntry(COLOURS.leftOut, `cells of ${show(base)} left out (${show(leftOut)})`));
       items.push(...outline);
     } else if (this.isFlat) items = [legendEntry(COLOURS.outline, 'geometry, unrepaired')];
     else items = [legendEntry(COLOURS.front, 'outer side'), legendEntry(COLOURS.back, 'inner side')];
@@ -371,6 +440,14 @@ class Explorer {
     }
     setTimeout(() => { button.textContent = 'Copy'; }, 1500);
   }
+}
+
+/** Return what a mesh of local changes is, in words. */
+function describeLocal(final, chosen) {
+  const n = final.added + final.left_out;
+  const what = n === 1 ? '1 cell differs' : `${show(n)} cells differ`;
+  const seed = chosen.threshold === final.base ? '' : `, with the topology of ${show(chosen.threshold)}`;
+  return `Mesh of the cells of ${show(final.base)}${seed}; ${what}. ${chosen.reason}`;
 }
 
 Explorer.open().then((explorer) => { window.explorer = explorer; }).catch((reason) => {
