@@ -20,13 +20,13 @@ from tusqh.antialias.components import (
     label_holes,
     label_kept,
 )
-from tusqh.contacts.decide import Decision, decide_contacts
+from tusqh.contacts.decide import Decision
 from tusqh.contacts.decided import Contacts, Labels
 from tusqh.contacts.one_material import MATERIAL, OneMaterial, thresholds_of
 from tusqh.contacts.one_material_contacts import find_contacts, label_cells
 from tusqh.contacts.planar import PlanarDecision
 from tusqh.contacts.predict import predict_betti
-from tusqh.contacts.surround import inner_cells
+from tusqh.contacts.spatial import decide_sticks
 from tusqh.errors import TopologyError
 from tusqh.grid import BoolArray, FloatArray, IntArray, doubled
 from tusqh.sampling.doubled_grid import RESOLUTION
@@ -78,8 +78,7 @@ class CellSet:
         """The templates that realise the votes of all contacts, and in 2D the bridges."""
         if self.kept.ndim == 3:
             t = thresholds_of(self.threshold)
-            labels = self.labels[inner_cells(3)]
-            return decide_contacts(OneMaterial(self.fractions), labels, t)
+            return decide_sticks(OneMaterial(self.fractions), self.labels, t)
         return lay_bridges(PlanarDecision.of(self.labels, self.contacts), self.bridges)
 
     @cached_property

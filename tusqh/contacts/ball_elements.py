@@ -106,8 +106,7 @@ class Balls:
         self._shape = emitter.vertex_shape
         vertices = np.flatnonzero(field.has_ball)
         self._field = field
-        self._row = np.full(len(field.has_ball), -1, dtype=np.int32)
-        self._row[vertices] = np.arange(len(vertices))
+        self._vertices = vertices
         place = np.stack(np.unravel_index(vertices, emitter.vertex_shape), axis=1)
         points = np.repeat(place[:, None].astype(float), N_POINTS, axis=1)
         points[:, OF_OCTANT:OF_KITE] += _TO_CELL * (2 * BITS - 1)
@@ -172,7 +171,7 @@ class Balls:
         slots
             The points that split them.
         """
-        return split_at_balls(elements, slots, self._row, self._numbers, self._shape)
+        return split_at_balls(elements, slots, self._vertices, self._numbers, self._shape)
 
     def split(self, first: RingEnd, second: RingEnd) -> list[tuple[str, IntArray, IntArray]]:
         """Return the elements of rings with a ball at the first end, and perhaps at the second.
@@ -217,7 +216,7 @@ class Balls:
 
     def _points(self, end: RingEnd, rows: IntArray) -> list[IntArray]:
         """Return the points of the balls at an end of some rings, see `split`."""
-        numbers = self._numbers[self._row[end.quad[rows, 0]]]
+        numbers = self._numbers[np.searchsorted(self._vertices, end.quad[rows, 0])]
         beside = BESIDE + 8 * end.half_edge
         columns = [
             end.half_edge,

@@ -18,6 +18,9 @@ from tusqh.meshes.volume_mesh import VolumeMesh
 #: faces and of balls.
 _MOST_POINTS = 256
 
+#: How many points get their positions at a time, which bounds memory.
+_AT_A_TIME = 4_000_000
+
 
 class Emitted(NamedTuple):
     """A mesh with the materials of its elements.
@@ -182,22 +185,25 @@ class Emitter:
         cells = np.empty_like(elements)
         _renumber(elements, order, number, cells)
         del elements, number, order
-        points = self.grid.to_points(self._positions(used))
+        added = np.concatenate([np.empty((0, self.grid.dim)), *self._added])
+        points = np.empty((len(used), self.grid.dim))
+        for start in range(0, len(used), _AT_A_TIME):
+            some = slice(start, start + _AT_A_TIME)
+            points[some] = self.grid.to_points(self._positions(used[some], added))
         mesh = VolumeMesh(points=points, cells=cells, kind=kind, grid_cell=owner, name=name)
         return Emitted(mesh=mesh, material=material)
 
-    def _positions(self, points: IntArray) -> FloatArray:
+    def _positions(self, points: IndexArray, placed: FloatArray) -> FloatArray:
         """Return the positions of ascending points, in cells from the grid's lowest corner."""
         bounds = np.searchsorted(points, [self.n_vertices, self._end_of_inner])
         vertices, inner, added = np.split(points, bounds)
         cell, corner = np.divmod(inner - self.n_vertices, self.template.n_corners)
         lowest = np.stack(np.unravel_index(self._with_inner[cell], self.grid.shape), axis=1)
-        nothing = np.empty((0, self.grid.dim))
         found = np.concatenate(
             [
                 np.stack(np.unravel_index(vertices, self.vertex_shape), axis=1),
                 lowest + self.template.inner[corner],
-                np.concatenate([nothing, *self._added])[added - self._end_of_inner],
+                placed[added - self._end_of_inner],
             ]
         )
         for numbers, positions in self._moved:
@@ -231,7 +237,7 @@ def _number_used(elements, number):  # type: ignore[no-untyped-def]
         if number[point] == 0:
             number[point] = n_used
             n_used += 1
-    used = np.empty(n_used, dtype=np.int64)
+    used = np.empty(n_used, dtype=number.dtype)
     for point in range(len(number)):
         if number[point] >= 0:
             used[number[point]] = point

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -139,7 +140,7 @@ def _euler_of_links(around: Labels, sticks: Labels, ball: Labels) -> IntArray:
     return np.asarray(euler, dtype=np.int64)
 
 
-def find_components(labels: Labels, contacts: Contacts) -> IntArray:
+def find_components(labels: Labels, contacts: Contacts) -> NDArray[np.int32]:
     """Return the component of every cell as its lowest flat cell, shape n.
 
     Parameters
@@ -159,10 +160,10 @@ def find_components(labels: Labels, contacts: Contacts) -> IntArray:
     ):
         _join_contacts(flat, cells, material, parent)
     _flatten(parent)
-    return parent.reshape(labels.shape).astype(np.int64)
+    return parent.reshape(labels.shape)
 
 
-def _find_touching(numbers: IntArray, labels: Labels, contacts: Contacts) -> IntArray:
+def _find_touching(numbers: NDArray[np.int32], labels: Labels, contacts: Contacts) -> IntArray:
     """Return the pairs of components that touch, shape (r, 2)."""
     n = int(numbers.max()) + 1
     layer = numbers if numbers.ndim == 3 else numbers[None]
@@ -173,7 +174,7 @@ def _find_touching(numbers: IntArray, labels: Labels, contacts: Contacts) -> Int
         (contacts.vertex_cells, contacts.ball),
     ):
         own = (materials[cells] == material[:, None]).argmax(axis=1)
-        centre = flat[np.take_along_axis(cells, own[:, None], axis=1)]
+        centre = flat[np.take_along_axis(cells, own[:, None], axis=1)].astype(np.int64)
         keys.append(np.unique(centre * n + flat[cells]))
     return np.stack(np.divmod(np.unique(np.concatenate(keys)), n), axis=1)
 
@@ -223,11 +224,12 @@ def _join_faces(flat, shape, parent):  # type: ignore[no-untyped-def]
 @numba.njit(cache=True)
 def _number_components(component):  # type: ignore[no-untyped-def]
     """Return the lowest cell of every component, ascending, and the component of every cell."""
-    numbers = np.empty(len(component), dtype=np.int64)
-    names = np.empty(len(component), dtype=np.int64)
-    n = 0
+    numbers = np.empty_like(component)
+    names, n = np.empty(1024, dtype=np.int64), 0
     for a in range(len(component)):
         if component[a] == a:
+            if n == len(names):
+                names = np.concatenate((names, np.empty_like(names)))
             names[n] = a
             numbers[a] = n
             n += 1
@@ -244,7 +246,7 @@ def _touching_pairs(numbers, n):  # type: ignore[no-untyped-def]
     for i in range(numbers.shape[0]):
         for j in range(numbers.shape[1]):
             for k in range(numbers.shape[2]):
-                own = numbers[i, j, k]
+                own = np.int64(numbers[i, j, k])
                 for axis in range(3):
                     if axis == 0:
                         other = numbers[i - 1, j, k] if i > 0 else own

@@ -185,7 +185,7 @@ class Split(NamedTuple):
 def split_at_balls(
     elements: IndexArray,
     slots: Slots,
-    row: IndexArray,
+    balls: IntArray,
     numbers: IndexArray,
     shape: tuple[int, ...],
 ) -> Split:
@@ -197,8 +197,8 @@ def split_at_balls(
         Elements of one kind, shape (m, 8).
     slots
         The points that split them.
-    row
-        Row of the ball at every grid vertex, -1 without.
+    balls
+        Grid vertices with a ball, ascending, shape (p,).
     numbers
         Numbers of the points of all balls, shape (p, `N_POINTS`).
     shape
@@ -206,15 +206,15 @@ def split_at_balls(
     """
     now = Split(elements, np.arange(len(elements)), np.full(len(elements), -1))
     for parity in itertools.product((0, 1), repeat=3):
-        is_vertex = (now.elements < len(row)) & (now.vertices < 0)[:, None]
+        is_vertex = (now.elements < np.prod(shape)) & (now.vertices < 0)[:, None]
         vertex = np.where(is_vertex, now.elements, 0)
-        is_here = is_vertex & (row[vertex] >= 0)
+        is_here = is_vertex & np.isin(vertex, balls)
         for axis, index in enumerate(np.unravel_index(vertex, shape)):
             is_here &= index % 2 == parity[axis]
         here = np.flatnonzero(is_here.any(axis=1))
         corner = is_here[here].argmax(axis=1)
         at = now.elements[here, corner]
-        own = numbers[row[at]]
+        own = numbers[np.searchsorted(balls, at)]
         added = [
             np.take_along_axis(own, slots.edges[corner], axis=1),
             np.take_along_axis(own, slots.faces[corner], axis=1),

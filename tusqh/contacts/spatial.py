@@ -59,11 +59,11 @@ class _Decider:
         self.field = Field(
             labels=votes.labels,
             inside=votes.inside,
-            ball=np.full(n, -1, dtype=np.int32),
+            ball=np.full(n, -1, dtype=votes.labels.dtype),
             is_pinched=np.zeros((3, n), dtype=bool),
             marked=np.zeros(n, dtype=bool),
             has_ball=np.zeros(n, dtype=bool),
-            sticks=np.full((3, n), -1, dtype=np.int32),
+            sticks=np.full((3, n), -1, dtype=votes.labels.dtype),
             sides=np.zeros((3, n), dtype=np.uint8),
             steps=votes.steps,
         )
@@ -197,10 +197,12 @@ def decide_sticks(
         field=field,
         contacts=Contacts(
             vertex_cells=_to_cells(vertices[:, None] + votes.octant, votes.shape),
-            ball=field.ball[vertices],
+            ball=field.ball[vertices].astype(np.int32),
             sticks=sticks,
             edge_cells=_to_cells(np.concatenate(edge_cells), votes.shape),
-            edge_material=np.concatenate([field.sticks[k, e] for k, e in enumerate(pinched)]),
+            edge_material=np.concatenate(
+                [field.sticks[k, e] for k, e in enumerate(pinched)], dtype=np.int32
+            ),
         ),
         n_overruled=0,
     )

@@ -29,8 +29,8 @@ class SpatialVotes:
     def __init__(self, fractions: Fractions, labels: Labels, thresholds: IntArray) -> None:
         self.fractions, self.thresholds = fractions, thresholds
         self.shape = tuple(n + 1 for n in labels.shape)
-        flat = np.pad(labels, ((0, 1),) * 3, constant_values=fractions.void).ravel()
-        self.labels = np.ascontiguousarray(flat, dtype=np.int32)
+        small = labels.astype(np.int8 if fractions.void < 2**7 else np.int32)
+        self.labels = np.pad(small, ((0, 1),) * 3, constant_values=fractions.void).ravel()
         inside = np.zeros(self.shape, dtype=bool)
         inside[(slice(LAYERS, -LAYERS - 1),) * 3] = True
         self.inside = inside.ravel()
@@ -50,7 +50,7 @@ class SpatialVotes:
         vertices
             Numbers of vertices, shape (p,).
         """
-        candidates = self.labels[vertices[:, None] + self.octant]
+        candidates = self.labels[vertices[:, None] + self.octant].astype(np.int32)
         return self._count(2 * self._index(vertices), candidates)
 
     def of_edges(self, axis: int, edges: IntArray) -> tuple[Labels, Labels]:
@@ -70,7 +70,8 @@ class SpatialVotes:
         winners
             The materials for which they vote, shape (e,).
         """
-        candidates = self.labels[edges[:, None] + self.octant[octants().around[2 * axis + 1]]]
+        cells = edges[:, None] + self.octant[octants().around[2 * axis + 1]]
+        candidates = self.labels[cells].astype(np.int32)
         place = 2 * self._index(edges)
         place[:, axis] += 1
         return candidates, self._count(place, candidates)

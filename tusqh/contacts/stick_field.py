@@ -18,6 +18,8 @@ from tusqh.grid import IntArray
 class Field(NamedTuple):
     """The state of all cells, edges, faces and vertices of a padded grid.
 
+    Materials are int8, or int32 where there are more than 127.
+
     Parameters
     ----------
     labels
@@ -42,13 +44,13 @@ class Field(NamedTuple):
         Differences between the numbers of neighbours along every axis, shape (3,).
     """
 
-    labels: NDArray[np.int32]
+    labels: NDArray[np.signedinteger]
     inside: NDArray[np.bool_]
-    ball: NDArray[np.int32]
+    ball: NDArray[np.signedinteger]
     is_pinched: NDArray[np.bool_]
     marked: NDArray[np.bool_]
     has_ball: NDArray[np.bool_]
-    sticks: NDArray[np.int32]
+    sticks: NDArray[np.signedinteger]
     sides: NDArray[np.uint8]
     steps: IntArray
 
@@ -60,7 +62,7 @@ def find_pinched(labels, shape, steps, tables):  # type: ignore[no-untyped-def]
     Parameters
     ----------
     labels
-        Material of the cell above every vertex, shape (n_v,), int32.
+        Material of the cell above every vertex, shape (n_v,).
     shape
         Number of vertices along each axis.
     steps

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
 from tusqh.grid import FloatArray, IntArray
 
@@ -75,7 +76,7 @@ class _Bins(NamedTuple):
     width: FloatArray
     shape: IntArray
     points: IntArray
-    start: IntArray
+    start: NDArray[np.int32]
 
 
 def _count_on_faces(points: FloatArray, faces: IntArray) -> int:
@@ -97,8 +98,18 @@ def _sort_into_bins(points: FloatArray, used: IntArray, size: float) -> _Bins:
     bin_of = np.minimum(((points[used] - low) / width).astype(np.int64), shape - 1)
     flat = np.ravel_multi_index(tuple(bin_of.T), tuple(shape))
     order = np.argsort(flat, kind="stable")
-    start = np.searchsorted(flat[order], np.arange(int(np.prod(shape)) + 1))
+    start = np.zeros(int(np.prod(shape)) + 1, dtype=np.int32)
+    _count_before(flat, start)
     return _Bins(low=low, width=width, shape=shape, points=used[order], start=start)
+
+
+@numba.njit(cache=True)
+def _count_before(bins, start):  # type: ignore[no-untyped-def]
+    """Add the number of points in lower bins to `start`, which is one longer than the bins."""
+    for number in bins:
+        start[number + 1] += 1
+    for number in range(1, len(start)):
+        start[number] += start[number - 1]
 
 
 @numba.njit(cache=True)
