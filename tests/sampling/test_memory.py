@@ -51,12 +51,12 @@ def test_the_estimate_is_right_within_thirty_percent(shape, cells, share):
 def test_a_grid_that_does_not_fit_is_refused_with_estimate_and_remedies(monkeypatch):
     ball = ingest(prepare("ball", 1)[0])
     sample(ball, grid=Grid(cells=20))
-    for free, fits in ((1_400_000, True), (1_100_000, False)):
+    for free, fits in ((47_000_000, True), (45_500_000, False)):
         monkeypatch.setattr("tusqh.sampling.memory.available_memory", lambda free=free: free)
         if fits:
             sample(ball, grid=Grid(cells=20))
             continue
         with pytest.raises(SamplingError, match="meshing on the 20x20x20 grid of 8,000") as caught:
             sample(ball, grid=Grid(cells=20))
-        assert "0.00126 GB" in str(caught.value)
+        assert "0.0461 GB" in str(caught.value)
         assert "`window`" in str(caught.value)

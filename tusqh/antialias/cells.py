@@ -68,7 +68,7 @@ class CellSet:
     bridge_table: pd.DataFrame
     features: pd.DataFrame
 
-    @cached_property
+    @property
     def labels(self) -> Labels:
         """The labels of all cells, see `tusqh.contacts.one_material_contacts.label_cells`."""
         return label_cells(self.kept)

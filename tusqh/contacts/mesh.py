@@ -157,7 +157,8 @@ def mesh_materials(
     decision = decide_contacts(fractions, fractions.label_cells(t), t)
     left_out = None if with_void else fractions.void
     mesh, material = emit_decision(decision, fractions.grid, name, left_out=left_out)
-    labels, contacts = decision.labels, decision.contacts
+    labels = np.ascontiguousarray(decision.labels, dtype=np.int32)
+    contacts = decision.contacts
     predicted = predict_betti(labels, contacts, len(fractions.names))
     return MaterialMesh(
         mesh=mesh,

@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tusqh.contacts.decided import Contacts, Labels
 from tusqh.contacts.octants import octants
@@ -35,7 +36,7 @@ class SpatialDecision:
     Parameters
     ----------
     labels
-        Material of every cell, shape ``n + 4``.
+        Material of every cell, shape ``n + 4``, a view of those of `field`.
     field
         Marks, sticks and the rings of single faces.
     contacts
@@ -44,7 +45,7 @@ class SpatialDecision:
         Number of pinched edges and vertices whose vote was overruled, which is 0.
     """
 
-    labels: Labels
+    labels: NDArray[np.signedinteger]
     field: Field
     contacts: Contacts
     n_overruled: int
@@ -193,7 +194,7 @@ def decide_sticks(
         for axis, edges in enumerate(pinched)
     ]
     return SpatialDecision(
-        labels=labels,
+        labels=votes.labels.reshape(votes.shape)[:-1, :-1, :-1],
         field=field,
         contacts=Contacts(
             vertex_cells=_to_cells(vertices[:, None] + votes.octant, votes.shape),

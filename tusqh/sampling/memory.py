@@ -12,12 +12,15 @@ from tusqh.machine import available_memory
 #: Bytes of memory for each cell of the grid and for each kept cell, by dimension: the peak of
 #: `tusqh.mesh` at a threshold, beyond what the imported program has.  In the plane the check for
 #: overlaps needs most of it.  Measured on bunny, cube, shell and disc; a test repeats it.
-_MESHING = {2: (20, 950), 3: (75, 160)}
+_MESHING = {2: (20, 900), 3: (40, 184)}
 
-#: The same for a grid full of several materials.
+#: Bytes that a mesh of any size needs.
+_LEAST = 45_000_000
+
+#: Bytes for each cell of a grid full of several materials.
 _SEVERAL = {2: 1000, 3: 500}
 
-#: The same for sampling alone.
+#: Bytes for each cell of the grid for sampling alone.
 _SAMPLING = {2: 24, 3: 40}
 
 
@@ -36,10 +39,10 @@ def estimate_memory(n_cells: int, n_kept: int, *, dim: int) -> int:
     Examples
     --------
     >>> round(estimate_memory(256**3, 256**3 // 4, dim=3) / 1e9, 1)
-    1.9
+    1.5
     """
     per_cell, per_kept = _MESHING[dim]
-    return n_cells * per_cell + n_kept * per_kept
+    return _LEAST + n_cells * per_cell + n_kept * per_kept
 
 
 def require_memory(
