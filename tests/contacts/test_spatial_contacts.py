@@ -161,3 +161,18 @@ def test_one_voxel_a_cell_follows_the_voxels():
     assert found.predicted["core"] == (1, 0, 0)
     assert found.predicted["1"] == (1, 0, 0)
     assert found.interfaces["core", "1"].facets.shape == (28, 4)
+
+
+def test_more_materials_than_fit_in_eight_bits_are_decided_alike():
+    labels = np.random.default_rng(1).integers(0, 3, (5, 4, 4))
+    few = mesh_materials(labels, with_void=True)
+    more = np.concatenate([labels, np.full((2, 4, 4), 3), np.arange(4, 132).reshape(8, 4, 4)])
+    many = mesh_materials(more, with_void=True)
+    check_materials(many, "many")
+    assert len(many.names) > 2**7 > len(few.names)
+    within = [
+        (found.mesh.grid_cell >= 0) & (found.mesh.grid_cell < 4 * 4 * 4) for found in (few, many)
+    ]
+    np.testing.assert_array_equal(few.mesh.kind[within[0]], many.mesh.kind[within[1]])
+    material = np.where(few.material == 3, len(many.names) - 1, few.material)
+    np.testing.assert_array_equal(material[within[0]], many.material[within[1]])

@@ -34,7 +34,7 @@ def save_fractions(path: Path, fractions: VolumeFractions) -> None:
         What to write.
     """
     arrays = {
-        "multiples": fractions.multiples.astype(np.int64),
+        "multiples": np.asarray(fractions.multiples, dtype=np.int32),
         "samples": np.array(fractions.samples, dtype=np.int64),
         "grid": np.array(json.dumps(fractions.grid.to_dict())),
     }
@@ -83,7 +83,7 @@ def load_fractions(path: Path) -> VolumeFractions:
         return VolumeFractions(
             grid=BackgroundGrid.from_dict(json.loads(str(content["grid"]))),
             samples=int(content["samples"]),
-            multiples=content["multiples"].astype(np.int32),
+            multiples=content["multiples"].astype(np.int32, copy=False),
             placement=placement,
         )
 
