@@ -16,7 +16,7 @@ from tusqh.contacts.decided import Contacts, Labels
 from tusqh.contacts.one_material import MATERIAL
 from tusqh.contacts.predict import find_components
 from tusqh.contacts.surround import inner_cells
-from tusqh.grid import BoolArray, FloatArray, IntArray, doubled
+from tusqh.grid import BoolArray, FloatArray, IndexArray, IntArray, doubled
 from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.fractions import VolumeFractions, to_level
 from tusqh.settings.policy import Criteria
@@ -62,7 +62,7 @@ def label_holes(labels: Labels, contacts: Contacts) -> IntArray:
     return _number(component, (labels != MATERIAL) & (component != component.flat[0]))
 
 
-def _number(component: IntArray, chosen: BoolArray) -> IntArray:
+def _number(component: IndexArray, chosen: BoolArray) -> IntArray:
     """Return the components of chosen cells, numbered from 1 and without the layers of void."""
     numbers = np.zeros(component.shape, dtype=np.int64)
     numbers[chosen] = 1 + np.unique(component[chosen], return_inverse=True)[1]

@@ -33,7 +33,7 @@ def save_fractions(path: Path, fractions: VolumeFractions) -> None:
     fractions
         What to write.
     """
-    arrays = {
+    arrays: dict[str, NDArray[Any]] = {
         "multiples": np.asarray(fractions.multiples, dtype=np.int32),
         "samples": np.array(fractions.samples, dtype=np.int64),
         "grid": np.array(json.dumps(fractions.grid.to_dict())),
