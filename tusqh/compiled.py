@@ -81,17 +81,19 @@ def _compile_sampling() -> None:
 
 
 def _compile_meshing() -> None:
-    """Mesh an image of noise and an outline, which compiles everything that follows sampling."""
+    """Mesh noise, an outline and a ring, and fit them: everything that follows sampling."""
     from tusqh.geometry.image import Image
     from tusqh.geometry.outline import Outline
     from tusqh.pipeline.mesh import run_stages
+    from tusqh.settings.fitting import Fitting
     from tusqh.settings.grid import Grid
     from tusqh.settings.model import Settings
 
     noise = Image(np.random.default_rng(0).random((8, 8, 8)), name="noise")
     square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0], [0.0, 0.0]])
-    for geometry in (noise, Outline.from_chains([square], name="plate")):
-        result = run_stages(geometry, Settings(grid=Grid(cells=8)))
+    plates = [Outline.from_chains([chain], name="plate") for chain in (square, square[:-1])]
+    for geometry in (noise, _ring(), *plates):
+        result = run_stages(geometry, Settings(grid=Grid(cells=8), fitting=Fitting(fit=True)))
         _ = result.diagram, result.judgement
 
 

@@ -69,7 +69,7 @@ def describe_side(name: str) -> str:
     if first == "normal":
         return f"other facets that face {'-' if rest[1] == 'minus' else '+'}{rest[0]}"
     if not rest:
-        return "facets of templates, which face no axis"
+        return "facets of templates and of fitted boundaries, which face no axis"
     return (
         f"facets on the {'lowest' if rest == ['min'] else 'highest'} plane of the box along {first}"
     )
