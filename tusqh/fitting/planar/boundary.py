@@ -30,7 +30,7 @@ _SMOOTHED = 0.3
 
 
 class Goals(NamedTuple):
-    """Where points should go, for `tusqh.fitting.planar.energy.sweep`.
+    """Where points should go, for `tusqh.fitting.planar.energy.sweep_points`.
 
     Parameters
     ----------

@@ -90,7 +90,7 @@ def _derivatives(points, cells, neighbours, first, corner, v, x, y, power, value
 
 
 @numba.njit(cache=True)
-def sweep(  # type: ignore[no-untyped-def]
+def sweep_points(  # type: ignore[no-untyped-def]
     points, cells, neighbours, first, corner, order, is_free, weight, matrix, goal, power, moved
 ):
     """Move each vertex of `order` once by a Newton step.

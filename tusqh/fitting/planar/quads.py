@@ -11,7 +11,7 @@ from tusqh.fitting.distances import measure_distances
 from tusqh.fitting.fitted import FELL_BACK_COLUMNS, Fitted
 from tusqh.fitting.planar.boundary import Boundary, Goals
 from tusqh.fitting.planar.crossings import find_components, find_crossing_points
-from tusqh.fitting.planar.energy import move_if_valid, sweep
+from tusqh.fitting.planar.energy import move_if_valid, sweep_points
 from tusqh.fitting.planar.pillow import Layered, add_layer
 from tusqh.fitting.target import Target, to_cells
 from tusqh.grid import BoolArray, FloatArray, IntArray
@@ -100,7 +100,7 @@ class _Run:
         first, corners = self.layered.corners_at
         moved = np.zeros(len(self.points))
         for _ in range(n):
-            sweep(
+            sweep_points(
                 self.points,
                 self.layered.cells,
                 QUAD_NEIGHBOURS,
