@@ -108,6 +108,7 @@ def test_a_material_without_cells_is_remarked_with_what_would_give_it_some():
 LABELS = np.array([[1, 2], [0, 1]])
 WRONG = [
     (LABELS, {"materials": {1: "a", 2: "a"}}, ConfigError, "found 'a' again"),
+    (LABELS, {"materials": {1: "all"}}, ConfigError, "a material called 'all'"),
     (LABELS, {"materials": {3: "a"}}, SamplingError, "no voxel with the labels \\[3\\]"),
     (LABELS, {"materials": {"a": 0.5}}, ConfigError, "no material 'a'"),
     (LABELS, {"materials": {"1": 1.5}}, ConfigError, "found 1.5"),
@@ -123,6 +124,7 @@ WRONG = [
     ([box((0, 0, 0), (1, 1, 1)), ([[0, 0], [1, 0], [1, 1]], [[0, 1], [1, 2], [2, 0]])], {},
      GeometryError, "outlines in the plane and surfaces in space"),
     ([box((0, 0, 0), (1, 1, 1))], {"rest": "void"}, ConfigError, "the rest is called 'void'"),
+    ([box((0, 0, 0), (1, 1, 1))], {"rest": "all"}, ConfigError, "the rest is called 'all'"),
     (box((0, 0, 0), (1, 1, 1)), {"materials": [{"name": "a", "part": 2}]}, ConfigError,
      "part 2 of the geometry"),
     (None, {"materials": [{"name": "a"}]}, ConfigError, "no material 'a'"),

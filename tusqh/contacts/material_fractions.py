@@ -26,6 +26,9 @@ FULL = round(1 / RESOLUTION)
 #: Name of the region outside all materials.
 VOID = "void"
 
+#: Name of all materials together, without the void.
+ALL = "all"
+
 
 @dataclass(frozen=True)
 class MaterialFractions:

@@ -17,6 +17,7 @@ import numpy as np
 from tusqh import __version__
 from tusqh.contacts import MaterialMesh, mesh_materials
 from tusqh.contacts.fractions_file import load_materials
+from tusqh.contacts.material_fractions import ALL
 from tusqh.errors import MeshError
 from tusqh.files import path_of
 from tusqh.hashing import hash_file
@@ -25,7 +26,6 @@ from tusqh.meshes.measure_regions import RegionMeasurement
 from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.materials.judge import (
-    ALL,
     compare_volumes,
     judge_materials,
     measure_materials,

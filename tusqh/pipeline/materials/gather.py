@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tusqh.contacts.material_fractions import VOID
+from tusqh.contacts.material_fractions import ALL, VOID
 from tusqh.errors import ConfigError, GeometryError
 from tusqh.geometry.image import Image
 from tusqh.geometry.kinds import Surface
@@ -186,7 +186,7 @@ def _read_surface(source: Any, name: str, remarks: list[Remark]) -> Surface:
 
 
 def require_known(wishes: Sequence[Material], names: Sequence[str]) -> None:
-    """Raise an error if a material that is wished for does not exist.
+    """Raise an error if a material that is wished for does not exist, or has a name of the tables.
 
     Parameters
     ----------
@@ -198,8 +198,15 @@ def require_known(wishes: Sequence[Material], names: Sequence[str]) -> None:
     Raises
     ------
     ConfigError
-        A material does not exist, or there is none.
+        A material does not exist, there is none, or one is called as the tables call all together.
     """
+    if ALL in names:
+        raise ConfigError(
+            f"a material called {ALL!r}",
+            where="materials",
+            expected=f"another name, since tables call all materials together {ALL!r}",
+            remedy="rename the material",
+        )
     unknown = [m.name for m in wishes if m.name not in (*names, VOID)]
     if unknown or not names:
         shown = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")

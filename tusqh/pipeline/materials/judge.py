@@ -11,6 +11,7 @@ import pandas as pd
 
 from tusqh.antialias.scheme import PINCH_TEMPLATES
 from tusqh.contacts import MaterialFractions
+from tusqh.contacts.material_fractions import ALL
 from tusqh.extras import MissingExtraError
 from tusqh.grid import IntArray
 from tusqh.meshes.checks import Check
@@ -22,9 +23,6 @@ from tusqh.quality.elements import element_metrics, summarise_metrics
 from tusqh.quality.verdict import check_overlap, judge_by_others, skip_others, to_table
 from tusqh.settings.quality import MOST_ELEMENTS
 from tusqh.topology.betti_numbers import BettiNumbers
-
-#: Name of all materials together, without the void.
-ALL = "all"
 
 
 def measure_materials(mesh: VolumeMesh, regions: Regions) -> dict[str, RegionMeasurement]:

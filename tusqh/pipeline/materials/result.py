@@ -13,7 +13,7 @@ import pandas as pd
 from tusqh.atomic import write_text
 from tusqh.contacts import MaterialFractions, MaterialMesh
 from tusqh.contacts.fractions_file import save_materials
-from tusqh.contacts.material_fractions import FULL
+from tusqh.contacts.material_fractions import ALL, FULL
 from tusqh.contacts.pairs import tabulate_pairs
 from tusqh.files import path_of
 from tusqh.geometry.remark import Remark
@@ -25,7 +25,6 @@ from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.judge import Judgement
 from tusqh.pipeline.materials.certificate import make_certificate
 from tusqh.pipeline.materials.judge import (
-    ALL,
     compare_volumes,
     judge_all,
     volumes_of_geometry,

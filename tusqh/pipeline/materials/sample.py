@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tusqh.contacts import MaterialFractions, fractions_of_labels
-from tusqh.contacts.material_fractions import VOID
+from tusqh.contacts.material_fractions import ALL, VOID
 from tusqh.contacts.surface_fractions import fractions_of_surfaces
 from tusqh.errors import ConfigError, GeometryError
 from tusqh.geometry.image import Image
@@ -62,7 +62,7 @@ def sample_materials(gathered: Gathered, settings: Settings, *, rest: str | None
     SamplingError
         A material has no sample, or lies wholly inside earlier ones; or labels are unusable.
     """
-    if rest is not None and rest in (*gathered.surfaces, VOID):
+    if rest is not None and rest in (*gathered.surfaces, VOID, ALL):
         raise ConfigError(
             f"the rest is called {rest!r}",
             where="rest",
