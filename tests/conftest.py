@@ -10,6 +10,9 @@ from filelock import FileLock
 from tusqh.compiled import compile_functions, is_compiled, write_bytecode
 from tusqh.geometry.outline import Outline
 
+# Threads that wait leave the processor to other processes of the tests.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+
 REPOSITORY = Path(__file__).resolve().parent.parent
 
 sys.path.insert(0, str(Path(__file__).parent))  # For modules such as `oracles` and `fields`.
@@ -23,6 +26,27 @@ def pytest_xdist_auto_num_workers(config):
     """Run the whole suite on all processors, and named files in this process."""
     is_whole = config.args_source is config.ArgsSource.TESTPATHS
     return min(os.cpu_count() or 1, 8) if is_whole else 0
+
+
+#: Files that take longest: they run first, so that no process waits for another at the end.
+LONGEST = [
+    "tests/workflow/test_tiny_dag.py",
+    "tests/test_structure.py",
+    "tests/provenance/",
+    "tests/workflow/",
+    "tests/test_examples.py",
+    "tests/cli/",
+    "tests/explorer/",
+]
+
+
+def pytest_collection_modifyitems(items):
+    """Put the tests that take longest first; xdist then gives files to processes in this order."""
+
+    def rank(item):
+        return next((k for k, path in enumerate(LONGEST) if item.nodeid.startswith(path)), 99)
+
+    items.sort(key=rank)
 
 
 def pytest_configure(config):
