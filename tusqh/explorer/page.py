@@ -157,6 +157,7 @@ def describe(subject: Subject) -> dict[str, Any]:
             ["cell size", f"{grid.cell_size:.6g} {subject.unit}"],
             ["wanted", selection.wanted],
             ["chosen threshold", f"{selection.threshold:.6g} ± {selection.margin:.2g}"],
+            *([["cells of the threshold", f"{selection.base:.6g}"]] if selection.base else []),
             ["mesh", f"{mesh.n_cells:,} {'hexes' if grid.dim == 3 else 'quads'}"],
             ["its Betti numbers", ", ".join(map(str, betti))],
         ],

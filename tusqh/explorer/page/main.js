@@ -322,7 +322,11 @@ class Explorer {
         card.append(element('p', 'quiet', `${what}: ${why}`));
         continue;
       }
-      const button = element('button', '', this.wishes.describe(k));
+      const { scale, unit } = lengthScale(this.facts);
+      const { cell_size: size, shape } = this.facts.grid;
+      const volume = this.wishes.cells(k).length * (size / scale) ** shape.length;
+      const price = `${show(volume, 3)} ${unit}${this.isFlat ? '\u00b2' : '\u00b3'}`;
+      const button = element('button', '', `${this.wishes.describe(k)}, ${price}`);
       button.type = 'button';
       button.dataset.wish = k;
       button.setAttribute('aria-pressed', k === this.wishes.shown);
@@ -447,7 +451,7 @@ function describeLocal(final, chosen) {
   const n = final.added + final.left_out;
   const what = n === 1 ? '1 cell differs' : `${show(n)} cells differ`;
   const seed = chosen.threshold === final.base ? '' : `, with the topology of ${show(chosen.threshold)}`;
-  return `Mesh of the cells of ${show(final.base)}${seed}; ${what}. ${chosen.reason}`;
+  return `Mesh of the cells of ${show(final.base)}${seed}; ${what}.`;
 }
 
 Explorer.open().then((explorer) => { window.explorer = explorer; }).catch((reason) => {
