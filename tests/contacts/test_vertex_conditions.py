@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import connected_components
 
 from tusqh.contacts.octants import BITS, octants
 from tusqh.contacts.planar import find_diagonals
-from tusqh.contacts.stick_field import Field, find_pinched
+from tusqh.contacts.stick_field import Field, faces_of_kites, find_pinched
 from tusqh.contacts.sticks import judge
 
 TABLES = octants()
@@ -35,17 +35,24 @@ def judge_sticks(labels, sticks, ball, *, tables=TABLES):
     field = Field(
         labels=np.zeros(n * N_BLOCK, dtype=np.int32),
         inside=np.ones(n * N_BLOCK, dtype=bool),
+        between=np.zeros(n * N_BLOCK, dtype=np.uint8),
         ball=np.full(n * N_BLOCK, -1, dtype=np.int32),
         is_pinched=np.zeros((3, n * N_BLOCK), dtype=bool),
         marked=np.zeros(n * N_BLOCK, dtype=bool),
         has_ball=np.zeros(n * N_BLOCK, dtype=bool),
         sticks=np.full((3, n * N_BLOCK), -1, dtype=np.int32),
         sides=np.zeros((3, n * N_BLOCK), dtype=np.uint8),
+        stale=np.zeros(n * N_BLOCK, dtype=bool),
+        verdict=np.full(n * N_BLOCK, -1, dtype=np.int8),
         steps=STEPS,
+        octant=(BITS - 1) @ STEPS,
+        face=faces_of_kites(STEPS, TABLES.kites),
     )
     middle = MIDDLE + N_BLOCK * np.arange(n)
     for a in range(8):
         field.labels[middle + (BITS[a] - 1) @ STEPS] = labels[:, a]
+    for axis in range(3):
+        field.between[field.labels != np.roll(field.labels, STEPS[axis])] |= 1 << axis
     for e in range(6):
         axis, end = divmod(e, 2)
         edges = middle - (1 - end) * STEPS[axis]
@@ -138,7 +145,7 @@ def test_good_sticks_are_manifold_by_a_graph():
     rng = np.random.default_rng(0)
     n_good = n_not_manifold = n_of_mutant = 0
     # A mutant that takes every set of sectors to be connected.
-    mutant = TABLES._replace(next_to=np.full(48, (1 << 48) - 1))
+    mutant = TABLES._replace(next_to=np.full((6, 256), (1 << 48) - 1))
     for labels in partitions(8)[::70]:
         sticks, ball = choices_at(labels)
         some = rng.choice(len(sticks), min(len(sticks), 12), replace=False)

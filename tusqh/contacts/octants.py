@@ -34,15 +34,17 @@ class Octants(NamedTuple):
     ----------
     kites
         Lower octant, upper octant and two half-edges of every kite, shape (12, 4).
+    normals
+        Normal axis of every kite, shape (12,).
     around
         The octants around every half-edge, cyclic, shape (6, 4).
     of_octant, of_kite
         Sectors of every octant and of every kite, as bits, shapes (8,) and (12,).
     next_to
-        The three sectors beside every sector, as bits, shape (48,).
+        The sectors beside those of every byte of a set of sectors, as bits, shape (6, 256).
     parts
         The lowest octant that can be reached across faces from every octant of every set of
-        octants, shape (256, 8).
+        octants, four bits for each octant and 15 for those outside the set, shape (256,).
     is_pinched
         Whether a set of octants or its complement is disconnected, shape (256,).
     euler
@@ -52,6 +54,7 @@ class Octants(NamedTuple):
     """
 
     kites: IntArray
+    normals: IntArray
     around: IntArray
     of_octant: IntArray
     of_kite: IntArray
@@ -78,9 +81,9 @@ def octants() -> Octants:
     ]
     of_octant = [sum(1 << s for s, t in enumerate(sectors) if t[0] == a) for a in range(8)]
     of_kite = [sum(1 << s for s, t in enumerate(sectors) if t[1] == i) for i in range(12)]
-    next_to = [sum(1 << s for s, t in enumerate(sectors) if _n_shared(t, u) == 2) for u in sectors]
-    parts = np.array([_find_parts(mask) for mask in range(256)], dtype=np.int64)
-    n_parts = np.array([len({*row} - {-1}) for row in parts.tolist()])
+    beside = [sum(1 << s for s, t in enumerate(sectors) if _n_shared(t, u) == 2) for u in sectors]
+    parts = [_find_parts(mask) for mask in range(256)]
+    n_parts = np.array([len({*row} - {15}) for row in parts])
     euler = [
         mask.bit_count() - sum(mask >> a & mask >> b & 1 for a, b in kites[:, :2].tolist())
         for mask in range(256)
@@ -93,11 +96,14 @@ def octants() -> Octants:
     ]
     return Octants(
         kites=kites,
+        normals=3 - kites[:, 2] // 2 - kites[:, 3] // 2,
         around=around,
         of_octant=np.array(of_octant, dtype=np.int64),
         of_kite=np.array(of_kite, dtype=np.int64),
-        next_to=np.array(next_to, dtype=np.int64),
-        parts=parts,
+        next_to=_join_bytes(beside),
+        parts=np.array(
+            [sum(part << 4 * a for a, part in enumerate(row)) for row in parts], dtype=np.int64
+        ),
         is_pinched=(n_parts > 1) | (n_parts[::-1] > 1),
         euler=np.array(euler, dtype=np.int64),
         filled=np.array(filled, dtype=np.int64),
@@ -130,12 +136,21 @@ def _n_shared(a: tuple[int, int, int], b: tuple[int, int, int]) -> int:
     return sum(x == y for x, y in zip(a, b, strict=True))
 
 
+def _join_bytes(beside: list[int]) -> IntArray:
+    """Return the union of bits of the members of every byte of a set, shape (6, 256)."""
+    found = np.zeros((6, 256), dtype=np.int64)
+    for byte, value, k in itertools.product(range(6), range(256), range(8)):
+        if value >> k & 1:
+            found[byte, value] |= beside[8 * byte + k]
+    return found
+
+
 def _find_parts(mask: int) -> list[int]:
-    """Return the lowest octant in reach, across faces, of every octant of a set; -1 outside."""
-    part = [a if mask >> a & 1 else -1 for a in range(8)]
+    """Return the lowest octant in reach, across faces, of every octant of a set; 15 outside."""
+    part = [a if mask >> a & 1 else 15 for a in range(8)]
     for _ in range(4):
         for a, k in itertools.product(range(8), range(3)):
             b = a ^ 1 << k
-            if part[a] >= 0 and part[b] >= 0:
+            if part[a] < 15 and part[b] < 15:
                 part[a] = part[b] = min(part[a], part[b])
     return part

@@ -20,7 +20,7 @@ from tusqh.contacts.decided import Contacts, Labels
 from tusqh.contacts.octants import octants
 from tusqh.contacts.planar import find_diagonals
 from tusqh.contacts.spatial_votes import SpatialVotes
-from tusqh.contacts.stick_field import Field, find_pinched
+from tusqh.contacts.stick_field import Field, faces_of_kites, find_pinched
 from tusqh.contacts.sticks import improve, judge
 from tusqh.contacts.votes import Fractions
 from tusqh.grid import BoolArray, IntArray
@@ -60,20 +60,28 @@ class _Decider:
         self.field = Field(
             labels=votes.labels,
             inside=votes.inside,
+            between=np.zeros(n, dtype=np.uint8),
             ball=np.full(n, -1, dtype=votes.labels.dtype),
             is_pinched=np.zeros((3, n), dtype=bool),
             marked=np.zeros(n, dtype=bool),
             has_ball=np.zeros(n, dtype=bool),
             sticks=np.full((3, n), -1, dtype=votes.labels.dtype),
             sides=np.zeros((3, n), dtype=np.uint8),
+            stale=np.zeros(n, dtype=bool),
+            verdict=np.full(n, -1, dtype=np.int8),
             steps=votes.steps,
+            octant=votes.octant,
+            face=faces_of_kites(votes.steps, self.tables.kites),
         )
         for axis in range(3):
             lower = np.roll(votes.labels, votes.steps[axis])
             self.field.sides[axis] = votes.labels < lower
+            both = votes.inside & np.roll(votes.inside, votes.steps[axis])
+            self.field.between[both & (votes.labels != lower)] |= 1 << axis
         self.vertices = find_pinched(votes.labels, votes.shape, votes.steps, self.tables)
         self.field.ball[self.vertices] = votes.of_vertices(self.vertices)
         self._mark(self.vertices)
+        self.field.stale[self.vertices] = True
 
     def run(self) -> None:
         """Decide all sticks."""
@@ -89,6 +97,7 @@ class _Decider:
             is_marked = self.field.marked[bad]
             self.field.has_ball[bad[is_marked]] = True
             self._mark(bad[~is_marked])
+            self._make_stale(bad)
         self._choose_sides()
 
     def _mark(self, vertices: IntArray) -> None:
@@ -114,6 +123,14 @@ class _Decider:
                 takes = ~is_pinched & (around == ball[:, None]).any(axis=1)
                 winner[takes] = ball[takes]
             field.sticks[axis, edges] = winner
+
+    def _make_stale(self, vertices: IntArray) -> None:
+        """Note that something has changed at some vertices, for those up to two edges away."""
+        offsets = np.stack(np.meshgrid(*[np.arange(-2, 3)] * 3), axis=-1).reshape(-1, 3)
+        for offset in offsets @ self.votes.steps:
+            near = (vertices + offset) % len(self.field.marked)
+            self.field.stale[near] = self.field.marked[near]
+            self.field.verdict[near] = -1
 
     def _near(self) -> IntArray:
         """Return the marked vertices and the vertices that share a face with one."""

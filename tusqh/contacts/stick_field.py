@@ -25,8 +25,10 @@ class Field(NamedTuple):
     labels
         Material of every cell, shape (n_v,).
     inside
-        Cells of the grid without layers; faces of other cells are never refined, so that the sides
-        of the grid stay plane, shape (n_v,).
+        Cells of the grid without layers, shape (n_v,).
+    between
+        Bit k is set at a face normal to axis k between two materials and two cells of the grid;
+        others are never refined, so that the sides of the grid stay plane, shape (n_v,).
     ball
         Decided material of every pinched vertex, -1 at other vertices, shape (n_v,).
     is_pinched
@@ -40,19 +42,47 @@ class Field(NamedTuple):
     sides
         Which cell of a refined face owns the rings at its edges without sticks: 0 for the lower, 1
         for the upper cell, shape (3, n_v).
+    stale
+        Marked vertices near which something has changed since their sticks were last improved,
+        shape (n_v,).
+    verdict
+        Whether a vertex is good as it is, 0 or 1; -1 if that is not known, shape (n_v,).
     steps
         Differences between the numbers of neighbours along every axis, shape (3,).
+    octant
+        Differences between the numbers of a vertex and of the cells in its octants, shape (8,).
+    face
+        Differences between the numbers of a vertex and of the faces of its kites, shape (12,).
     """
 
     labels: NDArray[np.signedinteger]
     inside: NDArray[np.bool_]
+    between: NDArray[np.uint8]
     ball: NDArray[np.signedinteger]
     is_pinched: NDArray[np.bool_]
     marked: NDArray[np.bool_]
     has_ball: NDArray[np.bool_]
     sticks: NDArray[np.signedinteger]
     sides: NDArray[np.uint8]
+    stale: NDArray[np.bool_]
+    verdict: NDArray[np.int8]
     steps: IntArray
+    octant: IntArray
+    face: IntArray
+
+
+def faces_of_kites(steps: IntArray, kites: IntArray) -> IntArray:
+    """Return the differences between the numbers of a vertex and of the faces of its kites.
+
+    Parameters
+    ----------
+    steps
+        Differences between the numbers of neighbours along every axis, shape (3,).
+    kites
+        See `tusqh.contacts.octants.Octants`.
+    """
+    half_edges = kites[:, 2:]
+    return np.asarray(-((1 - half_edges % 2) * steps[half_edges // 2]).sum(axis=1), dtype=np.int64)
 
 
 @numba.njit(cache=True)
