@@ -18,6 +18,7 @@ CONFIG = """models:
     unit: mm
     grid: {cells: 32}
     threshold: 0.5
+    fit: true
   ring:
     geometry: data_sources/ring.stl
     unit: mm

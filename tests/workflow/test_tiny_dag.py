@@ -1,6 +1,7 @@
 """The whole workflow on a model in the plane: its results, and how mistakes end."""
 
 import json
+import math
 import re
 import subprocess
 import sys
@@ -48,6 +49,31 @@ def test_the_certificate_is_beside_the_mesh_and_holds(built):
     assert certificate["mesh"]["sha256"] == hash_file(built / "results/plate/mesh.vtu")
     mesh = str(built / "results/plate/mesh.vtu")
     command = [sys.executable, "-m", "tusqh", "check", mesh]
+    assert subprocess.run(command, capture_output=True).returncode == 0
+
+
+def test_the_boundary_is_fitted_and_later_steps_take_the_fitted_mesh(built):
+    folder = built / "results/plate"
+    staircase, fitted = (read_vtu(folder / f"{name}.vtu") for name in ("mesh", "fitted"))
+    assert fitted.n_cells > staircase.n_cells
+    table = pd.read_csv(built / "results/tables/fit.csv").set_index("model")
+    assert table.index.tolist() == ["plate"]
+    row = table.loc["plate"]
+    assert row["elements"] == fitted.n_cells
+    assert row["min_scaled_jacobian"] == pytest.approx(fitted.jacobians.scaled.min())
+    assert row["betti_same"]
+    assert row["mean_distance"] < 0.05
+    assert row["self_intersections"] == 0
+    # The plate has a round hole of radius 10 and a square one with sides of 20, in 80 by 40.
+    exact = 80 * 40 - 20 * 20 - math.pi * 10**2
+    assert abs(fitted.measurement.volume / exact - 1) < 1e-3
+    exported = (folder / "export/mesh.mesh").read_text()
+    assert f"elements\n{fitted.n_cells}\n" in exported
+    summary = pd.read_csv(built / "results/tables/summary.csv").set_index("model")
+    assert summary.loc["plate", "elements"] == fitted.n_cells
+    assert is_drawn(folder / "figures/fit.png")
+    assert "cells from the surface" in (built / "results/report/index.html").read_text()
+    command = [sys.executable, "-m", "tusqh", "check", str(folder / "fitted.vtu")]
     assert subprocess.run(command, capture_output=True).returncode == 0
 
 

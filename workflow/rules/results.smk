@@ -1,5 +1,5 @@
 # docs/results.md compares the paper's figures and claims with ours; its text is in ../report/results.
-PAGE_SECTIONS = ["models", "theory", "studies", "scopes", "limits", "figures"]
+PAGE_SECTIONS = ["models", "theory", "studies", "scopes", "fit", "limits", "figures"]
 PAGE_TABLES = [
     "results/tables/summary.csv",
     "results/tables/verification.csv",
@@ -10,6 +10,8 @@ PAGE_TABLES = [
     ),
     "results/tables/contacts.csv",
     "results/tables/local_topology.csv",
+    "results/tables/fit.csv",
+    "results/tables/heat_orders.csv",
     "results/tables/orientation.csv",
     "results/tables/orientation_pooled.csv",
     "results/tables/recommended_grids.csv",
@@ -20,7 +22,8 @@ PAGE_FIGURES = [
     *expand("results/chesapeake/figures/{figure}.png", figure=FIGURES[2]),
     *expand("results/{model}/figures/{figure}.png", model=["bearings", "dragon"], figure=["panels", "diagram", "curves"]),
     *expand("results/{model}/figures/stability.png", model=["chesapeake", "bearings", "dragon"]),
-    *expand("results/figures/{figure}.png", figure=["method", "orientation", "scopes", "suitability", "peers"]),
+    *expand("results/figures/{figure}.png", figure=["method", "orientation", "scopes", "heat", "suitability", "peers"]),
+    *expand("results/{model}/figures/fit.png", model=[m for m in ("chesapeake", "bunny") if m in FITTED]),
     *[path for path in THEORY if path.endswith(".png")],
 ]
 PAGE_PICTURES = [picture_name(figure) for figure in PAGE_FIGURES]

@@ -121,3 +121,16 @@ rule figure_orientation:
         figure=report("results/figures/orientation.png", "../report/orientation.rst", category="Figures"),
     script:
         "../scripts/figure_orientation.py"
+
+
+# A problem with a known solution on staircases and on fitted meshes.
+rule heat:
+    output:
+        table=report("results/tables/heat.csv", "../report/heat.rst", category="Tables"),
+        orders=report("results/tables/heat_orders.csv", "../report/heat.rst", category="Tables"),
+        figure=report("results/figures/heat.png", "../report/heat.rst", category="Figures"),
+    params:
+        cells_2d=[12, 24, 48, 96],
+        cells_3d=[8, 12, 16, 24],
+    script:
+        "../scripts/heat.py"
