@@ -175,6 +175,30 @@ def test_one_feature_changes_in_many_random_fields(dim, n_fields):
         check_wishes(seed, dim, 8 - dim)
 
 
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_part_is_separated_at_all_of_its_joints(dim):
+    """Two bars are joined by three emptier cells with gaps between, which makes two holes."""
+    cells = np.ones((7, 7, 3)[:dim])
+    cells[3] = 0.0
+    cells[3, 1::2] = 0.6
+    cells[:3] = 0.9
+    cell_sets = CellSets(fractions_of(cells))
+    start = cell_sets.at(0.5).predicted
+    assert start.betti_0 == 1
+    assert start.betti_1 == 2
+    found = change(cell_sets, [Feature(do="open", kind="component", near=(1, 3, 1)[:dim])])
+    assert tuple(found.predicted) == (2, 0, 0)
+    assert not found.kept[3].any()
+    (row,) = found.changes.to_dict("records")
+    assert (row["do"], row["class"], row["cells"]) == ("open", "component", 3 if dim == 2 else 9)
+    wishes = [
+        Feature(do="open", kind="component", near=(1, 3, 1)[:dim]),
+        Feature(do="open", kind="hole", near=(3.5, 2.5, 1)[:dim]),
+    ]
+    with pytest.raises(TopologyError, match="ends with another wish"):
+        change(cell_sets, wishes)
+
+
 SQUARES = [[0, 0], [4, 0], [4, 4], [0, 4], [4.3, 0], [8.3, 0], [8.3, 4], [4.3, 4]]
 LINES = [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4]]
 

@@ -3,7 +3,8 @@
 *Open* keeps a class, or makes one that the base lacks; *cut* ends a class by leaving out cells, and
 *fill* by adding some.  A component is cut by leaving all of it out, a hole in the plane and a void
 are filled by adding all cells in them; all others are changed along a path or membrane, see
-`tusqh.local_topology.one_change`.
+`tusqh.local_topology.one_change`.  A component that is joined to others at several places is
+separated at all of them together, see `tusqh.local_topology.separate`.
 """
 
 from __future__ import annotations
@@ -14,10 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from tusqh.antialias.cells import CellSets, label_with_bridges
-from tusqh.antialias.components import label_holes
+from tusqh.antialias.components import label_holes, label_kept
 from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.local_topology.classes import list_classes
-from tusqh.local_topology.one_change import Accepts, Event, change_class
+from tusqh.local_topology.one_change import Accepts, Event, change_class, undo_simple
+from tusqh.local_topology.separate import separate
 from tusqh.local_topology.wishes import CUT, FILL, OPEN, Wish
 from tusqh.local_topology.workspace import Workspace
 from tusqh.topology.betti_numbers import BettiNumbers
@@ -28,6 +30,7 @@ class _Row(NamedTuple):
 
     dimension: int
     birth: float
+    death: float
     birth_place: int
     death_place: int
     is_there: bool
@@ -77,6 +80,7 @@ class Features:
 
     def __init__(self, cell_sets: CellSets, base: float) -> None:
         self.base = base
+        self._cell_sets = cell_sets
         self.grid = cell_sets.fractions.grid
         self.space = Workspace(cell_sets.at(base))
         table = list_classes(cell_sets.fractions, cell_sets.topology.pairs)
@@ -162,7 +166,58 @@ class Features:
         adds = about.birth < self.base
         place = about.birth_place if adds else about.death_place
         event = Event(about.dimension, begins=True, adds=adds)
-        return self._around(done, wish, place, event, done.there | {wish.row})
+        there = done.there | {wish.row}
+        if adds or about.dimension > 0:
+            return self._around(done, wish, place, event, there)
+        inside, outside = self._sides(wish.row, done.kept)
+        cell = int(self.space.cells_at(about.birth_place)[0])
+
+        def accepts(kept: BoolArray) -> bool:
+            """Return whether the component is separated from all older ones."""
+            after = self._components(kept)
+            return bool(kept[cell]) and not (outside & (after == after[cell])).any()
+
+        try:
+            return self._around(done, wish, place, event, there, accepts)
+        except Impossible:
+            return self._separate(done, wish, inside, outside)
+
+    def _sides(self, row: int, kept: BoolArray) -> tuple[BoolArray, BoolArray]:
+        """Return the kept cells of a component before it ended, and those of the older ones."""
+        about = self._rows[row]
+        above = self._cell_sets.at(float(np.nextafter(about.death, 1.0)))
+        labels = np.pad(label_kept(above.labels, above.contacts), 1).ravel()
+        oldest = np.zeros(int(labels.max(initial=0)) + 1)
+        np.maximum.at(oldest, labels, self.space.fraction)
+        own = labels[self.space.cells_at(about.birth_place)[0]]
+        is_older = (oldest >= about.birth) & (np.arange(len(oldest)) > 0)
+        is_older[own] = False
+        return kept & (labels == own) & (labels > 0), kept & is_older[labels]
+
+    def _separate(self, done: Done, wish: Wish, inside: BoolArray, outside: BoolArray) -> Done:
+        """Return the cells with a component separated from older ones at all of its joints."""
+        kept = separate(self.space, done.kept, inside, outside, self._fixed(done))
+        if kept is None:
+            raise Impossible("no cells between it and the others can be left out")
+        cell = int(self.space.cells_at(self._rows[wish.row].birth_place)[0])
+        kept = undo_simple(self.space, done.kept, kept, cell)
+        betti = self.space.cell_set(kept).predicted
+        there = done.there | {wish.row}
+        n_holes = done.betti.betti_1 - betti.betti_1
+        if n_holes > 0:
+            there -= self._nearest_holes(done, np.flatnonzero(kept != done.kept), n_holes)
+        return self._after(done, wish, kept, there)
+
+    def _nearest_holes(self, done: Done, cells: IntArray, n: int) -> frozenset[int]:
+        """Return the holes that begin nearest to cells, which are the loops through its joints."""
+        at = np.stack(np.unravel_index(cells, self.space.shape), axis=1)
+        distance = {}
+        for row in done.there:
+            if self._rows[row].dimension == 1:
+                begins = self.space.cells_at(self._rows[row].birth_place)
+                index = np.stack(np.unravel_index(begins, self.space.shape), axis=1)
+                distance[row] = int(((at[:, None] - index) ** 2).sum(axis=-1).min())
+        return frozenset(sorted(distance, key=lambda row: (distance[row], row))[:n])
 
     def _end(self, done: Done, wish: Wish) -> Done:
         """Return the cells after a class is ended along a path or membrane."""

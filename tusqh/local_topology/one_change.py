@@ -170,12 +170,26 @@ def _grow(
 
 
 def _prune(space: Workspace, kept: BoolArray, grown: BoolArray, last: int) -> BoolArray:
-    """Return the cells after undoing all changes that are simple, the farthest first."""
-    found = grown.copy()
-    for keeps_last in (True, False):
-        changed = np.flatnonzero(found != kept).astype(np.int64)
-        if keeps_last:
-            changed = changed[changed != last]
-        distance = space.squared_distance(changed, last)
-        space.change_simple(found, changed[np.argsort(-distance, kind="stable")])
+    """Return the cells after undoing all changes that are simple, that of the last cell last."""
+    but_last = kept.copy()
+    but_last[last] = grown[last]
+    return undo_simple(space, kept, undo_simple(space, but_last, grown, last), last)
+
+
+def undo_simple(space: Workspace, kept: BoolArray, changed: BoolArray, center: int) -> BoolArray:
+    """Return changed cells after undoing all changes that are simple, the farthest ones first.
+
+    Parameters
+    ----------
+    space
+        Votes of the contacts.
+    kept, changed
+        Cells of the flat grid before and after the changes.
+    center
+        The flat cell from which distances count.
+    """
+    found = changed.copy()
+    cells = np.flatnonzero(found != kept).astype(np.int64)
+    distance = space.squared_distance(cells, center)
+    space.change_simple(found, cells[np.argsort(-distance, kind="stable")])
     return found

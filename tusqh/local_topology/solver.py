@@ -3,8 +3,8 @@
 Each way to change a class has a price and an effect on the Betti numbers.  The choice with the
 least total price whose effects add up to the target is found by a search over the numbers of
 changes of each effect, because of each effect the cheapest ones are taken.  Then the changes are
-made, one after the other.  One that the others made impossible is left out, and the search is
-repeated from where it stands.
+made, one after the other, openings first.  One that the others made impossible, or that now does
+something else, is left out, and the search is repeated from where it stands.
 """
 
 from __future__ import annotations
@@ -87,16 +87,19 @@ def solve(
     done = start
     while distance(done.betti) > 0:
         useful = [row for row in rows if _may_help(features, done, row, distance)]
-        offers = [o for o in find_offers(features, done, useful, held) if o.wish not in refused]
-        plan = _cheapest(offers, done.betti, distance)
-        if not plan:
+        for considered in (useful, rows):
+            offers = find_offers(features, done, considered, held)
+            offers = [offer for offer in offers if offer.wish not in refused]
+            plan = _cheapest(offers, done.betti, distance)
+            if plan:
+                break
+        else:
             break
-        done, failed = _carry_out(features, done, plan)
+        after, failed = _carry_out(features, done, plan)
+        refused |= {wish for wish, is_possible in failed if after is done or not is_possible}
+        done = after
         if distance(done.betti) < best.distance:
             best = Solution(done, distance(done.betti))
-        if not failed:
-            continue
-        refused |= failed
     return best
 
 
@@ -166,18 +169,20 @@ def find_offers(
 def _cheapest(offers: list[Offer], betti: BettiNumbers, distance: Distance) -> list[Offer]:
     """Return the offers with the least total price that come nearest to the target.
 
-    A search takes, of the offers with the same effect, the cheapest ones first.
+    A search takes, of the offers with the same effect, the cheapest ones first, and goes on with
+    the choice whose price and least further price are together the smallest (A*).
     """
+    per_step = min((o.cells / sum(map(abs, o.effect)) for o in offers if any(o.effect)), default=0)
     by_effect: dict[Effect, list[Offer]] = {}
     for offer in offers:
         by_effect.setdefault(offer.effect, []).append(offer)
     groups = list(by_effect.values())
     best: tuple[float, float, tuple[int, ...]] = (distance(betti), 0, (0,) * len(groups))
-    queue, seen = [(0, best[2])], {best[2]}
+    queue, seen = [(0.0, 0, best[2])], {best[2]}
     for _ in range(_MOST_CHOICES):
         if not queue:
             break
-        cells, counts = heapq.heappop(queue)
+        _, cells, counts = heapq.heappop(queue)
         found = _add(betti, groups, counts)
         if min(found) >= 0 and distance(found) < best[0]:
             best = (distance(found), cells, counts)
@@ -186,7 +191,8 @@ def _cheapest(offers: list[Offer], betti: BettiNumbers, distance: Distance) -> l
         for more, counts_after in _with_one_more(groups, counts):
             if counts_after not in seen:
                 seen.add(counts_after)
-                heapq.heappush(queue, (cells + more, counts_after))
+                left = per_step * distance(_add(betti, groups, counts_after))
+                heapq.heappush(queue, (cells + more + left, cells + more, counts_after))
     chosen = [groups[k][:n] for k, n in enumerate(best[2])]
     return sorted(itertools.chain.from_iterable(chosen))
 
@@ -209,21 +215,23 @@ def _with_one_more(
             yield group[n].cells, (*counts[:k], n + 1, *counts[k + 1 :])
 
 
-def _carry_out(features: Features, done: Done, plan: list[Offer]) -> tuple[Done, set[Wish]]:
-    """Return the cells after the offers of a plan, and those that are not possible any more.
+def _carry_out(
+    features: Features, done: Done, plan: list[Offer]
+) -> tuple[Done, list[tuple[Wish, bool]]]:
+    """Return the cells after the offers of a plan, and those that failed, openings first.
 
-    An offer whose effect has changed is refused too, so that the next plan knows it.
+    An offer fails if it is impossible after the others, or possible with another effect.
     """
-    failed: set[Wish] = set()
-    for offer in plan:
+    failed: list[tuple[Wish, bool]] = []
+    for offer in sorted(plan, key=lambda o: (o.wish.do != OPEN, o)):
         try:
             after = features.apply(done, offer.wish)
         except Impossible:
-            failed.add(offer.wish)
+            failed.append((offer.wish, False))
             continue
         effect = tuple(np.subtract(after.betti, done.betti).tolist())
         if effect == offer.effect:
             done = after
         else:
-            failed.add(offer.wish)
+            failed.append((offer.wish, True))
     return done, failed
