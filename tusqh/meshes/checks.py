@@ -89,7 +89,9 @@ def check_mesh(mesh: ElementMesh) -> list[Check]:
     ['non_positive_jacobians']
     """
     points, cells = mesh.points, mesh.cells
-    n_out = int(((cells < 0) | (cells >= len(points))).sum())
+    n_out = 0
+    if cells.min(initial=0) < 0 or cells.max(initial=-1) >= len(points):
+        n_out = int(((cells < 0) | (cells >= len(points))).sum())
     checks = [_none("indices_out_of_range", "corner indices out of range", n_out)]
     if n_out:
         return checks

@@ -11,6 +11,9 @@ import numpy as np
 
 from tusqh.grid import FloatArray, IndexArray, IntArray
 
+#: The lower points whose edges are counted at a time.
+_POINTS_AT_A_TIME = 8_000_000
+
 
 def number_rows(cells: IndexArray, local: IntArray) -> tuple[IndexArray, int]:
     """Return the number of every part of every element, and how many different parts there are.
@@ -64,9 +67,14 @@ def count_pairs(cells: IndexArray, local: IntArray) -> int:
     """
     n_points = int(cells.max(initial=-1)) + 1
     index = np.dtype(np.int32 if len(cells) * len(local) < 2**31 else np.int64)
-    # A large mesh of hexes has little more than three edges per element.
-    ends = np.empty((len(cells) * 13 // 4 + 1024, 2), dtype=index)
-    return int(_count_pairs(cells, local, np.full(n_points, -1, dtype=index), ends))
+    # The edges of some of the points at a time bound memory.  Of large meshes of hexes, a point is
+    # the lower end of little more than three edges.
+    ends = np.empty((min(n_points, _POINTS_AT_A_TIME) * 13 // 4 + 1024, 2), dtype=index)
+    n = 0
+    for start in range(0, n_points, _POINTS_AT_A_TIME):
+        some = min(_POINTS_AT_A_TIME, n_points - start)
+        n += int(_count_pairs(cells, local, start, np.full(some, -1, dtype=index), ends))
+    return n
 
 
 def count_different_points(points: FloatArray) -> int:
@@ -203,17 +211,19 @@ def _number(cells, local, head, first, numbers):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def _count_pairs(cells, local, head, ends):  # type: ignore[no-untyped-def]
-    """Count the different pairs; `head` is the last new pair with each lower point.
+def _count_pairs(cells, local, start, head, ends):  # type: ignore[no-untyped-def]
+    """Count the different pairs whose lower points are `start` and those that follow it.
 
-    `ends` has the higher point of each different pair, and the pair before it with the same lower
-    point; it grows when it is full.
+    `head` is the last new pair with each of these points.  `ends` has the higher point of each
+    different pair, and the pair before it with the same lower point; it grows when it is full.
     """
     n = 0
     for cell in range(len(cells)):
         for part in range(len(local)):
             a, b = cells[cell, local[part, 0]], cells[cell, local[part, 1]]
-            low, high = min(a, b), max(a, b)
+            low, high = min(a, b) - start, max(a, b)
+            if low < 0 or low >= len(head):
+                continue
             found = head[low]
             while found >= 0 and ends[found, 0] != high:
                 found = ends[found, 1]

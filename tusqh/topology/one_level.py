@@ -73,21 +73,24 @@ def _count_components(nodes, level, cells, parent):  # type: ignore[no-untyped-d
     n_x, n_y, n_z = nodes.shape
     for i in range(1, n_x - 1):
         for j in range(1, n_y - 1):
+            x_from, x_to = i // 2 - 1 + i % 2, i // 2 + 1
+            y_from, y_to = j // 2 - 1 + j % 2, j // 2 + 1
             for k in range(1, n_z - 1):
                 if i % 2 + j % 2 + k % 2 > 1:
                     continue
-                around = cells[
-                    i // 2 - 1 + i % 2 : i // 2 + 1,
-                    j // 2 - 1 + j % 2 : j // 2 + 1,
-                    k // 2 - 1 + k % 2 : k // 2 + 1,
-                ]
-                n_kept = around.sum()
-                if n_kept == 0 or n_kept == around.size:  # Joined across faces.
+                z_from, z_to = k // 2 - 1 + k % 2, k // 2 + 1
+                has_in = has_out = False
+                for x in range(x_from, x_to):
+                    for y in range(y_from, y_to):
+                        for z in range(z_from, z_to):
+                            has_in |= cells[x, y, z]
+                            has_out |= not cells[x, y, z]
+                if not (has_in and has_out):  # Joined across faces.
                     continue
                 is_in, first = nodes[i, j, k] >= level, -1
-                for x in range(i // 2 - 1 + i % 2, i // 2 + 1):
-                    for y in range(j // 2 - 1 + j % 2, j // 2 + 1):
-                        for z in range(k // 2 - 1 + k % 2, k // 2 + 1):
+                for x in range(x_from, x_to):
+                    for y in range(y_from, y_to):
+                        for z in range(z_from, z_to):
                             if cells[x, y, z] != is_in:
                                 continue
                             cell = (x * m_y + y) * m_z + z
