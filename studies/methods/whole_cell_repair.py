@@ -90,7 +90,7 @@ def repair_by_cells(kept: BoolArray, fractions: FloatArray, *, threshold: float)
 def _sweep(kept, cost, lowest, offsets, is_pinch, max_sweeps):  # type: ignore[no-untyped-def]
     """Change `kept` in place, and return the numbers of sweeps with changes and of changes."""
     n_around, n_changes = len(offsets), 0
-    for sweep in range(max_sweeps):
+    for done in range(max_sweeps):
         n_before = n_changes
         for first in lowest:
             code = 0
@@ -113,5 +113,5 @@ def _sweep(kept, cost, lowest, offsets, is_pinch, max_sweeps):  # type: ignore[n
                     kept[first + offsets[bit]] = not kept[first + offsets[bit]]
                     n_changes += 1
         if n_changes == n_before:
-            return sweep, n_changes
+            return done, n_changes
     return max_sweeps, n_changes
