@@ -9,9 +9,10 @@ from tusqh.sampling.memory import estimate_memory
 
 # Megabytes and minutes of a step of a small model: libraries, and the allowance of the scheduler.
 SMALLEST = 1500, 10
-# Multiples of the memory that `tusqh.mesh` needs, and minutes for a million cells of the grid, where
-# steps differ from the others.
-MEMORY_OF_RULES = {"simulate": 4, "simulate_materials": 4, "materials": 3, "suitability": 8, "peer": 4}
+# Multiples of the memory that `tusqh.mesh` needs at a threshold, and minutes for a million cells of the
+# grid, where steps differ from the others.
+MEMORY_OF_RULES = {"simulate": 9, "simulate_materials": 9, "materials": 7, "suitability": 18, "peer": 9}
+MEMORY_OF_OTHERS = 2.2
 MINUTES_OF_RULES = {
     **dict.fromkeys(["sweep_2d", "sweep_3d", "figures_of_outline", "figures_of_solid"], 10),
     **dict.fromkeys(["simulate", "simulate_materials", "suitability", "materials", "peer"], 30),
@@ -41,7 +42,7 @@ def memory_of(rule):
         model = SETTINGS.models[wildcards.model]
         dimension = dimension_of(model.files[0])
         n_cells = cells_of(model, dimension)
-        needed = estimate_memory(n_cells, n_cells, dim=dimension) * MEMORY_OF_RULES.get(rule, 1)
+        needed = estimate_memory(n_cells, n_cells, dim=dimension) * MEMORY_OF_RULES.get(rule, MEMORY_OF_OTHERS)
         return smallest + attempt * math.ceil(1.3 * needed / 1e6)
 
     return memory
