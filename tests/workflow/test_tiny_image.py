@@ -14,6 +14,7 @@ from needs import require_rendering
 from workflow_runs import succeed
 
 import tusqh
+from tusqh.explorer.materials import make_materials_page, read_materials_subject
 from tusqh.hashing import hash_file
 
 CONFIG = """models:
@@ -49,7 +50,7 @@ def foam(tmp_path_factory):
     (folder / "config").mkdir()
     (folder / "config/config.yaml").write_text(CONFIG)
     files = ("verdict.csv", "figures/panels.png", "defects.csv")
-    of_grains = ("certificate.json", "export/mesh.exo")
+    of_grains = ("certificate.json", "export/mesh.exo", "explorer.html")
     targets = [f"results/foam/{file}" for file in files]
     succeed(folder, *targets, *(f"results/grains/{file}" for file in of_grains))
     return folder
@@ -108,6 +109,8 @@ def test_several_materials_are_meshed_in_one_step(foam):
     written = [foam / "grains.exo", foam / "results/grains/export/mesh.exo"]
     blocks = [[len(b.data) for b in meshio.read(path).cells] for path in written]
     assert blocks[0] == blocks[1]
+    page = make_materials_page(read_materials_subject(foam / "grains"))
+    assert page == (foam / "results/grains/explorer.html").read_text("utf-8")
     rows = pd.read_csv(foam / "results/grains/verification.csv")
     assert rows["material"].tolist() == ["bone", "marrow", "all"]
     assert rows["holds"].all()
