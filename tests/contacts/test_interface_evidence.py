@@ -10,6 +10,7 @@ from test_material_files import exodus_sides
 import tusqh
 from tusqh.contacts import mesh_materials
 from tusqh.meshes.formats import write_mesh
+from tusqh.meshes.interfaces import find_junction_edges, find_junctions
 
 
 def random_meshes(dim, seeds, **options):
@@ -115,3 +116,24 @@ def test_a_part_of_the_bearing_alone_is_its_block(repository, tmp_path):
         alone = meshio.read(tmp_path / "part.exo")
         (cells,) = alone.cells
         assert np.array_equal(alone.points[cells.data], whole.points[block.data]), name
+
+
+def test_many_points_and_materials_do_not_overflow():
+    """Of 65,535 names three occur; points and edges are those of three names alone."""
+    image = np.ones((34, 34, 34), dtype=np.uint8)
+    image[:, 17:], image[17:, :17] = 2, 3
+    found = mesh_materials(image)
+    points = len(found.mesh.points)
+    assert points * 65_535 > 2**31
+    few = find_junctions(found.mesh, found.material, ("1", "2", "3", "void"))
+    names = ("1", "2", "3", *(f"absent {k}" for k in range(65_531)), "void")
+    many = find_junctions(found.mesh, found.material, names)
+    assert many.keys() == few.keys()
+    assert len(few) == 4
+    for key, at in few.items():
+        assert np.array_equal(many[key], at), key
+    edges = find_junction_edges(found.mesh, found.material)
+    lengths = np.linalg.norm(np.diff(found.mesh.points[edges], axis=1)[:, 0], axis=1)
+    # A T on the top and the bottom, the line between them, and the ends of three walls.
+    assert lengths == pytest.approx(np.ones(len(edges)))
+    assert len(edges) == 2 * (34 + 17) + 34 + 3 * 34

@@ -124,6 +124,33 @@ def test_colours_change_with_the_mode_and_a_cut_leaves_whole_layers(opened, fold
     assert len(drawn_facets(opened, 3)) == whole
 
 
+def test_curves_are_the_edges_of_elements_of_three_materials(opened, folder):
+    """Compare with the materials of all elements at every edge, and the outside at the boundary."""
+    subject = read_materials_subject(folder)
+    mesh, material = subject.mesh, subject.regions.material
+    shown = opened.evaluate(
+        """() => { const { curves } = explorer; const before = curves.visible;
+        document.getElementById('curves').click();
+        return [before, curves.visible, Array.from(curves.geometry.index.array)]; }"""
+    )
+    assert shown[:2] == [False, True]
+    found = {frozenset(edge) for edge in np.array(shown[2], dtype=int).reshape(-1, 2).tolist()}
+    if mesh.dim == 2:
+        assert found == set()
+        return
+    at = {}
+    for cell, k in zip(mesh.cells, material.tolist(), strict=True):
+        for a, b in [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4),
+                     (1, 5), (2, 6), (3, 7)]:  # fmt: skip
+            at.setdefault(frozenset((int(cell[a]), int(cell[b]))), set()).add(k)
+    for side in mesh.facets.boundary.tolist():
+        for a, b in zip(side, side[1:] + side[:1], strict=True):
+            at[frozenset((a, b))].add("outside")
+    expected = {edge for edge, materials in at.items() if len(materials) > 2}
+    assert found == expected
+    assert len(found) > 20
+
+
 def test_large_meshes_keep_the_facets_between_materials(folder, monkeypatch):
     subject = read_materials_subject(folder)
     if subject.grid.dim == 2:

@@ -25,6 +25,7 @@ from tusqh.figures.units import length_scale
 from tusqh.files import path_of
 from tusqh.geometry.upright import Axis
 from tusqh.grid import BackgroundGrid
+from tusqh.meshes.interfaces import find_junction_edges
 from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.materials.certificate import read_materials
@@ -127,9 +128,16 @@ def make_materials_page(subject: MaterialsSubject) -> str:
         TEMPLATE_OF_MATERIALS,
         subject.name,
         describe_materials(subject),
-        {"mesh": pack(arrays)},
+        {"mesh": pack(arrays | _curves(subject))},
         script=script,
     )
+
+
+def _curves(subject: MaterialsSubject) -> dict[str, Any]:
+    """Return the edges at which three materials meet, the outside among them, as `curves`."""
+    mesh, material = subject.mesh, subject.regions.material
+    edges = find_junction_edges(mesh, material) if mesh.dim == 3 else np.empty((0, 2))
+    return {"curves": edges.astype(np.uint32)}
 
 
 def describe_materials(subject: MaterialsSubject) -> dict[str, Any]:

@@ -108,6 +108,48 @@ def find_junctions(
     }
 
 
+def find_junction_edges(mesh: ElementMesh, material: IntArray) -> IntArray:
+    """Return the edges of a hex mesh at which three or more materials meet, shape (r, 2).
+
+    The outside counts as a material.
+
+    Parameters
+    ----------
+    mesh
+        The hexes.
+    material
+        Number of the material of every element, shape (m,).
+
+    Examples
+    --------
+    Two cubes side by side meet the outside along the sides of their common face:
+
+    >>> from tusqh.meshes.volume_mesh import VolumeMesh
+    >>> points = np.array([[x, y, z] for x in range(3) for y in range(2) for z in range(2)], float)
+    >>> cube = np.array([0, 4, 6, 2, 1, 5, 7, 3])
+    >>> two = VolumeMesh.from_arrays(points, [cube, cube + 4])
+    >>> find_junction_edges(two, np.array([0, 1])).tolist()
+    [[4, 5], [4, 6], [5, 7], [6, 7]]
+    """
+    facets, n = mesh.facets, len(mesh.points)
+    outside = int(material.max(initial=-1)) + 1
+    low = np.full(facets.n_unique, outside + 1, dtype=np.int64)
+    high = np.full(facets.n_unique, -1, dtype=np.int64)
+    own = material[facets.cell]
+    np.minimum.at(low, facets.unique, own)
+    np.maximum.at(high, facets.unique, own)
+    high[facets.n_cells_of == 1] = outside
+    rows = np.flatnonzero((low != high)[facets.unique])
+    corners = facets.corners[rows].astype(np.int64)
+    other = np.roll(corners, -1, axis=1)
+    edges = (np.minimum(corners, other) * n + np.maximum(corners, other)).ravel()
+    # Every edge with each material on both sides of its facets, once.
+    sides = np.repeat(np.stack([low, high])[:, facets.unique[rows]], corners.shape[1], axis=1)
+    edge = np.unique(edges * (outside + 1) + sides, axis=None) // (outside + 1)
+    found, counts = np.unique(edge, return_counts=True)
+    return np.stack(np.divmod(found[counts > 2], n), axis=1)
+
+
 def facet_areas(points: FloatArray, facets: IntArray) -> FloatArray:
     """Return the length of sides or the area of faces, shape (r,).
 

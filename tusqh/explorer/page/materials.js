@@ -32,7 +32,10 @@ class MaterialsExplorer {
     }
     this.stage.up = facts.up;
     this.layer = new MeshLayer(mesh, cells, mesh.material, facts.materials.map(({ colour }) => colour));
-    this.stage.scene.add(this.layer.object);
+    // Facets lie a little behind the curves at their edges.
+    Object.assign(this.layer.object.material, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
+    this.curves = curvesObject(mesh.points, mesh.curves);
+    this.stage.scene.add(this.layer.object, this.curves);
     this.axes = new Axes(this.stage, facts.grid, lengthScale(facts));
     this.stage.look('oblique');
     byId('stage').setAttribute('aria-label', cells.isFlat
@@ -95,6 +98,11 @@ class MaterialsExplorer {
     byId('cut-axis').addEventListener('change', () => this.setCutAxis());
     byId('cut-at').addEventListener('input', () => this.setCut());
     byId('cut-axis').disabled = !this.facts.can_cut;
+    byId('curves').addEventListener('change', () => {
+      if (!this.stage) return;
+      this.curves.visible = byId('curves').checked;
+      this.stage.invalidate();
+    });
     byId('show-all').addEventListener('click', () => this.showAll(true));
     byId('hide-all').addEventListener('click', () => this.showAll(false));
     for (const button of document.querySelectorAll('[data-look]')) {
@@ -150,6 +158,18 @@ class MaterialsExplorer {
   writeNote() {
     byId('cut-note').hidden = this.facts.can_cut;
   }
+}
+
+/** Return the curves at which three materials meet, the outside among them. */
+function curvesObject(points, curves) {
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('position', new THREE.BufferAttribute(points, 3));
+  geometry.setIndex(new THREE.BufferAttribute(curves, 1));
+  const material = new THREE.LineBasicMaterial({ color: '#000000' });
+  const lines = new THREE.LineSegments(geometry, material);
+  lines.frustumCulled = false;
+  lines.visible = false;
+  return lines;
 }
 
 MaterialsExplorer.open().then((explorer) => { window.explorer = explorer; }).catch((reason) => {
