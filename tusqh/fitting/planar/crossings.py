@@ -52,3 +52,34 @@ def find_components(cells: IntArray, n_points: int) -> IntArray:
     a, b = cells[:, :1].repeat(3, axis=1).ravel(), cells[:, 1:].ravel()
     graph = coo_array((np.ones(len(a)), (a, b)), shape=(n_points, n_points))
     return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def find_runs(points: IntArray, sides: IntArray) -> list[IntArray]:
+    """Return points of the boundary in groups that sides between them connect.
+
+    Parameters
+    ----------
+    points
+        Numbers of points, each once.
+    sides
+        Boundary sides, shape (k, 2).
+
+    Returns
+    -------
+    list of array
+        The groups, in the order of their lowest points.
+
+    Examples
+    --------
+    >>> sides = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
+    >>> [group.tolist() for group in find_runs(np.array([0, 1, 3]), sides)]
+    [[0, 1, 3]]
+    >>> [group.tolist() for group in find_runs(np.array([0, 2]), sides)]
+    [[0], [2]]
+    """
+    points = np.sort(points)
+    inside = sides[np.isin(sides, points).all(axis=1)]
+    a, b = np.searchsorted(points, inside).T
+    graph = coo_array((np.ones(len(a)), (a, b)), shape=(len(points), len(points)))
+    number = connected_components(graph, directed=False)[1]
+    return [points[number == k] for k in range(int(number.max(initial=-1)) + 1)]

@@ -10,7 +10,7 @@ import pandas as pd
 from tusqh.fitting.distances import measure_distances
 from tusqh.fitting.fitted import FELL_BACK_COLUMNS, Fitted
 from tusqh.fitting.planar.boundary import Boundary, Goals
-from tusqh.fitting.planar.crossings import find_components, find_crossing_points
+from tusqh.fitting.planar.crossings import find_components, find_crossing_points, find_runs
 from tusqh.fitting.planar.energy import move_if_valid, sweep_points
 from tusqh.fitting.planar.pillow import Layered, add_layer
 from tusqh.fitting.target import Target, to_cells
@@ -229,13 +229,14 @@ class _Run:
         self.note(alone, "smoothed staircase", "no surface within reach")
 
     def rows(self, target: Target) -> pd.DataFrame:
-        """Return the rows with the middle of their points in model units."""
+        """Return a row for each connected part, with the middle of its points in model units."""
         columns = [c for c in FELL_BACK_COLUMNS if c != "z"]
         grid = target.grid
         rows = []
         for points, what, why in self.fell_back:
-            x, y = grid.to_points(self.points[points].mean(axis=0)[None])[0]
-            rows.append((float(x), float(y), len(points), what, why))
+            for part in find_runs(points, self.layered.sides):
+                x, y = grid.to_points(self.points[part].mean(axis=0)[None])[0]
+                rows.append((float(x), float(y), len(part), what, why))
         return pd.DataFrame(rows, columns=columns)
 
 
