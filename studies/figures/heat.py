@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 
 from studies.heat import BOUNDARIES
 from tusqh.figures import style
@@ -48,6 +49,9 @@ def draw_heat(table: pd.DataFrame, orders: pd.DataFrame) -> Figure:
             panel.loglog(
                 sizes, least * (sizes / sizes[1]) ** 2, ":", color=style.OUTLINE, label="order 2"
             )
+            ticks = sorted(set(rows["cell_size"]))
+            panel.set_xticks(ticks, [f"{size:.3g}" for size in ticks])
+            panel.xaxis.set_minor_locator(NullLocator())
             panel.set_title(domain)
             panel.set_xlabel("size of a cell [radii]")
             panel.set_ylabel(label, fontsize=8)

@@ -79,12 +79,10 @@ def _draw_outline(outline: Outline, staircase: VolumeMesh, fitted: VolumeMesh, u
     if style.is_wide(low, high):
         figure, axes = style.new_figure(4, 1, width=9.0, height=4 * (8.0 * ratio + 0.9) + 0.8)
     else:
-        rows = 1 if ratio > 1.2 else 2
-        width = 3.9 * 4 if rows == 1 else 11.0
-        one = width * rows / 4
-        figure, axes = style.new_figure(
-            rows, 4 // rows, width=width, height=rows * (one * ratio + 0.7) + 0.8
-        )
+        rows = 1 if ratio > 2 else 2
+        one = 3.9 if rows == 1 else 5.8
+        height = rows * (0.8 * one * ratio + 0.9) + 0.5
+        figure, axes = style.new_figure(rows, 4 // rows, width=4 * one / rows, height=height)
     panels = axes.ravel()
     quality = _QUALITY(_LIMITS(fitted.jacobians.scaled))
     for panel, mesh, colour, title in zip(

@@ -67,16 +67,18 @@ class Layered:
         ending[self.sides[:, 1]] = rows
         return ending[self.sides[:, 0]], starting[self.sides[:, 1]]
 
-    def near_boundary(self, rings: int) -> IntArray:
-        """Return the points at most this many sides of quads away from the boundary, ascending.
+    def near(self, points: IntArray, rings: int) -> IntArray:
+        """Return the points at most some sides of quads away from given ones, ascending.
 
         Parameters
         ----------
+        points
+            Numbers of points, of any shape.
         rings
             The number of sides.
         """
         is_near = np.zeros(len(self.points), dtype=np.bool_)
-        is_near[self.sides] = True
+        is_near[points] = True
         for _ in range(rings):
             is_near[self.cells[is_near[self.cells].any(axis=1)]] = True
         return np.flatnonzero(is_near).astype(np.int64)

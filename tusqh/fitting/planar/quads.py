@@ -28,6 +28,12 @@ _RINGS = 6
 #: Scaled Jacobian below which points give way, the factor of their weight, and the rounds.
 _GIVES_WAY, _LESS, _ROUNDS = 0.45, 0.3, 8
 
+#: Sides of quads from a bad quad within which points then move.
+_AROUND = 2
+
+#: Power of the shape of quads in these rounds, which weighs bad quads more.
+_POWER = 6.0
+
 #: Rounds in which crossing sides are pulled apart.
 _REPAIRS = 4
 
@@ -92,11 +98,11 @@ class _Run:
 
     def __post_init__(self) -> None:
         self.layered = self.boundary.layered
-        self.order = self.layered.near_boundary(_RINGS)
+        self.order = self.layered.near(self.layered.sides, _RINGS)
         self.goals = self.boundary.goals(self.points, _WEIGHTS[0])
 
-    def sweeps(self, goals: Goals, n: int, *, power: float) -> None:
-        """Move all points near the boundary a few times."""
+    def sweeps(self, goals: Goals, n: int, *, power: float, order: IntArray | None = None) -> None:
+        """Move all points near the boundary, or some of them, a few times."""
         first, corners = self.layered.corners_at
         moved = np.zeros(len(self.points))
         for _ in range(n):
@@ -106,7 +112,7 @@ class _Run:
                 QUAD_NEIGHBOURS,
                 first,
                 corners,
-                self.order,
+                self.order if order is None else order,
                 self.is_free,
                 goals.weight,
                 goals.matrix,
@@ -183,16 +189,13 @@ class _Run:
             if not bad.any():
                 return
             self.goals.weight[np.unique(self.layered.cells[bad])] *= _LESS
-            self.sweeps(self.goals, _SWEEPS, power=3.0)
+            near = self.layered.near(self.layered.cells[bad], _AROUND)
+            self.sweeps(self.goals, _SWEEPS, power=_POWER, order=near)
 
     def _separate(self, crossing: IntArray, turn: int) -> None:
         """Pull the boundary near crossing sides to the staircase, farther in every turn."""
         layered, goals = self.layered, self.goals
-        near = np.zeros(len(self.points), dtype=np.bool_)
-        near[crossing] = True
-        for _ in range(2 + turn):
-            near[layered.cells[near[layered.cells].any(axis=1)]] = True
-        held = np.intersect1d(np.flatnonzero(near), layered.sides)
+        held = np.intersect1d(layered.near(crossing, 2 + turn), layered.sides)
         goals.weight[held] = 30.0 * 3**turn
         goals.matrix[held] = (1.0, 0.0, 1.0)
         goals.place[held] = self.boundary.start[held]
