@@ -91,8 +91,8 @@ def check_materials(mesh_file: Path, *, checks: Literal["all"] | None = None) ->
 
 
 def _known(volumes: dict[str, float], measured: Mapping[str, Any]) -> dict[str, float]:
-    """Return volumes of all measured materials; of those that the fractions lack, NaN."""
-    return {name: volumes.get(name, float("nan")) for name in measured}
+    """Return volumes of all measured materials; of those without any in the fractions, NaN."""
+    return {name: volumes.get(name) or float("nan") for name in measured}
 
 
 def _check_geometry(
