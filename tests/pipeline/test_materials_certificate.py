@@ -134,7 +134,7 @@ EDITS = [
 ]
 
 
-@pytest.mark.parametrize("found", [mesh_outlines, mesh_labels], indirect=True)
+@pytest.mark.parametrize("found", [mesh_labels], indirect=True)
 @pytest.mark.parametrize(("name", "edit"), EDITS)
 def test_every_claim_is_recomputed(folder, name, edit):
     change(folder, edit)
