@@ -7,7 +7,7 @@ there is the overlap of the two.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 import numba
@@ -61,6 +61,11 @@ class _Claims:
     alone: FloatArray
     overlaps: FloatArray
 
+    def take(self, kept: list[int]) -> _Claims:
+        """Return the claims of some materials."""
+        blocks, sums = [self.blocks[k] for k in kept], [self.sums[k] for k in kept]
+        return _Claims(blocks, sums, self.alone[kept], self.overlaps[np.ix_(kept, kept)])
+
 
 def fractions_of_surfaces(
     surfaces: Mapping[str, Surface],
@@ -69,6 +74,7 @@ def fractions_of_surfaces(
     sampling: Sampling | None = None,
     window: Box | None = None,
     rest: str | None = None,
+    optional: Collection[str] = (),
 ) -> SurfaceFractions:
     """Return the fractions of materials given by one surface or outline each.
 
@@ -87,11 +93,13 @@ def fractions_of_surfaces(
     rest
         Name of the material that fills what the surfaces leave of the grid or window; None: that is
         void.
+    optional
+        Surfaces that are left out if no sample lies inside.
 
     Raises
     ------
     SamplingError
-        A surface has no sample inside, or lies wholly inside earlier ones.
+        Another surface has no sample inside, or lies wholly inside earlier ones.
 
     Examples
     --------
@@ -113,6 +121,9 @@ def fractions_of_surfaces(
     ]  # fmt: skip
     claims = _claim_samples(fields, lattice, sampling)
     names = list(surfaces)
+    kept = [k for k, n in enumerate(names) if claims.alone[k] > 0 or n not in optional]
+    if kept and len(kept) < len(names):
+        names, claims = [names[k] for k in kept], claims.take(kept)
     _require_material(names, claims, grid)
     multiples = _multiples(claims, lattice)
     if rest is not None:

@@ -40,6 +40,8 @@ class Gathered:
         Whether the image is a single layer that is meshed in the plane.
     remarks
         What the readers left out, changed or noted.
+    optional
+        Parts of a file that nobody named; they may lie outside the window.
     """
 
     wishes: tuple[Material, ...]
@@ -47,6 +49,7 @@ class Gathered:
     image: Image | None = None
     is_plane: bool = False
     remarks: tuple[Remark, ...] = ()
+    optional: tuple[str, ...] = ()
 
 
 def gather(source: Any, wishes: Sequence[Material], image: Voxels | None = None) -> Gathered:
@@ -137,7 +140,9 @@ def _gather_parts(
         surfaces, renamed = name_parts(parts)
         remarks += renamed
     require_known(wishes, list(surfaces))
-    return Gathered(tuple(wishes), surfaces, remarks=tuple(remarks))
+    wanted = [m.name for m in wishes]
+    optional = () if placed else tuple(name for name in surfaces if name not in wanted)
+    return Gathered(tuple(wishes), surfaces, remarks=tuple(remarks), optional=optional)
 
 
 def _part_of(parts: Sequence[Surface], material: Material) -> Surface:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ from tusqh.contacts import MaterialFractions
 from tusqh.errors import ConfigError
 from tusqh.pipeline.materials.gather import Gathered, gather, is_pair, require_known
 from tusqh.pipeline.materials.original import MaterialsOriginal
-from tusqh.pipeline.materials.remarks import note_absent, note_fit
+from tusqh.pipeline.materials.remarks import leave_out, note_absent, note_fit
 from tusqh.pipeline.materials.result import MaterialsResult
 from tusqh.pipeline.materials.sample import Sampled
 from tusqh.pipeline.materials.wishes import fulfil
@@ -94,6 +95,8 @@ def mesh_several(
             gathered, settings.grid, settings.sampling, settings.window, rest
         )
         sampled = original.sample()
+        gathered = leave_out(gathered, sampled.left_out)
+        original = replace(original, gathered=gathered)
     found = fulfil(sampled.fractions, gathered.wishes, name=name)
     absent = note_absent(found.mesh, sampled.fractions, found.thresholds)
     return MaterialsResult(

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from tusqh.contacts import MaterialFractions, MaterialMesh
@@ -9,7 +12,29 @@ from tusqh.contacts.material_fractions import FULL
 from tusqh.contacts.score_field import score_field
 from tusqh.geometry.remark import Remark
 from tusqh.grid import doubled
+from tusqh.pipeline.materials.gather import Gathered
 from tusqh.settings.model import Settings
+
+#: Number of materials that a remark lists.
+_MOST = 8
+
+
+def leave_out(gathered: Gathered, names: Sequence[str]) -> Gathered:
+    """Return the materials without some of them, with a remark that names these.
+
+    Parameters
+    ----------
+    gathered
+        The materials.
+    names
+        Parts without a sample in the window.
+    """
+    if not names:
+        return gathered
+    shown = ", ".join(names[:_MOST]) + (", ..." if len(names) > _MOST else "")
+    remark = Remark("left out", f"parts without a sample in the window: {shown}", len(names))
+    kept = {name: s for name, s in gathered.surfaces.items() if name not in names}
+    return replace(gathered, surfaces=kept, remarks=(*gathered.remarks, remark))
 
 
 def note_absent(

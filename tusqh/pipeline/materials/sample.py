@@ -34,10 +34,13 @@ class Sampled:
     overlaps
         Entry (i, j) is the volume of material j that material i, which comes earlier, took, in
         model units, shape (m, m); None for labels, which do not overlap.
+    left_out
+        Optional materials without a sample in the window.
     """
 
     fractions: MaterialFractions
     overlaps: FloatArray | None = None
+    left_out: tuple[str, ...] = ()
 
 
 def sample_materials(gathered: Gathered, settings: Settings, *, rest: str | None = None) -> Sampled:
@@ -77,9 +80,15 @@ def sample_materials(gathered: Gathered, settings: Settings, *, rest: str | None
     require_memory(grid, "meshing of several materials", name="materials")
     window = None if settings.window is None else box
     found = fractions_of_surfaces(
-        gathered.surfaces, grid, sampling=settings.sampling, window=window, rest=rest
+        gathered.surfaces,
+        grid,
+        sampling=settings.sampling,
+        window=window,
+        rest=rest,
+        optional=gathered.optional if window is not None else (),
     )
-    return Sampled(found.fractions, found.overlaps)
+    left_out = tuple(n for n in gathered.surfaces if n not in found.fractions.names)
+    return Sampled(found.fractions, found.overlaps, left_out)
 
 
 def name_labels(wishes: Sequence[Material], rest: str | None = None) -> dict[int, str]:
