@@ -9,7 +9,15 @@ import tusqh
 from tusqh.errors import ConfigError
 from tusqh.explorer.arrays import CUT_ELEMENTS
 from tusqh.explorer.materials import make_materials_page, read_materials_subject
-from tusqh.figures.material_colours import MOST, VOID_COLOUR, material_colours, to_oklab, to_rgb
+from tusqh.figures.material_colours import (
+    MOST,
+    VOID_COLOUR,
+    colours_of,
+    material_colours,
+    to_oklab,
+    to_rgb,
+)
+from tusqh.figures.theme import PALETTE
 
 NAMES = {1: ATTACK, 2: "7", 3: "skin"}
 
@@ -37,7 +45,7 @@ def opened(browser, folder, tmp_path_factory):  # noqa: F811
 def expected_facets(subject, shown):
     """Return the boundary of the shown materials, facets with colours, by brute force."""
     mesh, material = subject.mesh, subject.regions.material
-    colours = material_colours(len(subject.regions.names), has_void=True)
+    colours = colours_of(subject.regions.names)
     points = np.round((mesh.points - subject.grid.origin) / subject.grid.cell_size, 3)
     if mesh.dim == 2:
         return {
@@ -178,10 +186,14 @@ def test_missing_files_are_named(folder, tmp_path):
 
 def test_colours_can_be_told_apart():
     """Compare all pairs in OKLab, in which the just noticeable difference is about 0.02."""
-    for n in (2, 8, 21, MOST):
+    for n in (2, 8, 21, 64, MOST):
         lab = to_oklab(to_rgb(material_colours(n, has_void=True)))
         distance = np.linalg.norm(lab[:, None] - lab, axis=2) + np.eye(n)
-        assert distance.min() > (0.1 if n <= 8 else 0.06)
+        assert distance.min() > (0.1 if n <= 8 else 0.06 if n <= 64 else 0.045)
         assert lab[:, 0].min() > 0.5
     assert material_colours(MOST + 2)[-2:] == material_colours(2)
     assert material_colours(1, has_void=True) == [VOID_COLOUR]
+    names = [*(f"county {k}" for k in range(94)), "water", "void"]
+    colours = colours_of(names)
+    assert len({*colours}) == len(names)
+    assert colours[-2:] == [PALETTE[0], VOID_COLOUR]

@@ -20,7 +20,7 @@ from tusqh.explorer.assets import SCRIPTS_OF_MATERIALS, TEMPLATE_OF_MATERIALS, r
 from tusqh.explorer.encode import pack
 from tusqh.explorer.files_read import FILES_OF_MATERIALS, TABLES_OF_MATERIALS
 from tusqh.explorer.page import assemble, to_rows
-from tusqh.figures.material_colours import material_colours
+from tusqh.figures.material_colours import colours_of
 from tusqh.figures.units import length_scale
 from tusqh.files import path_of
 from tusqh.geometry.upright import Axis
@@ -150,7 +150,7 @@ def describe_materials(subject: MaterialsSubject) -> dict[str, Any]:
     """
     grid, mesh, regions, tables = subject.grid, subject.mesh, subject.regions, subject.tables
     counts = np.bincount(regions.material, minlength=len(regions.names)).tolist()
-    colours = material_colours(len(regions.names), has_void=True)
+    colours = colours_of(regions.names)
     whole = tables["materials"]["material"] == "all"
     kind = "hexes" if grid.dim == 3 else "quads"
     (betti,) = _betti(tables["materials"][whole], "measured")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
@@ -14,11 +15,13 @@ from tusqh.grid import FloatArray
 #: brown, which is near orange; orange comes first, as land and water are often the two of a map.
 _FIRST = (PALETTE[1], PALETTE[0], *PALETTE[2:5], PALETTE[6], *PALETTE[8:])
 
+_BLUE = PALETTE[0]
+
 #: Colour of the void, where it is meshed.
 VOID_COLOUR = "#d9d9d9"
 
 #: Most colours that differ; further materials have them again.
-MOST = 64
+MOST = 100
 
 
 def material_colours(n: int, *, has_void: bool = False) -> list[str]:
@@ -46,6 +49,28 @@ def material_colours(n: int, *, has_void: bool = False) -> list[str]:
     """
     colours = [_listed()[k % MOST] for k in range(n)]
     return [*colours[:-1], VOID_COLOUR] if has_void else colours
+
+
+def colours_of(names: Sequence[str]) -> list[str]:
+    """Return a colour for each material, blue for one called water; the last one is the void.
+
+    Parameters
+    ----------
+    names
+        The materials.
+
+    Examples
+    --------
+    >>> colours_of(["water", "land", "void"])
+    ['#0173b2', '#de8f05', '#d9d9d9']
+    """
+    colours = material_colours(len(names), has_void=True)
+    if "water" in names[:-1]:
+        water = list(names).index("water")
+        if _BLUE in colours:
+            colours[colours.index(_BLUE)] = colours[water]
+        colours[water] = _BLUE
+    return colours
 
 
 def to_rgb(colours: list[str]) -> FloatArray:

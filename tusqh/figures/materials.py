@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from tusqh.figures import style
-from tusqh.figures.material_colours import material_colours, to_rgb
+from tusqh.figures.material_colours import colours_of, to_rgb
 from tusqh.figures.rendering import EDGES, EDGES_BELOW, FRAMES, grid_of, render, show
 from tusqh.figures.section import fill_elements, middle_of_a_layer
 from tusqh.geometry.upright import Axis
@@ -18,7 +18,7 @@ from tusqh.grid import FloatArray
 from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
 
-#: Largest number of materials that the legend names.
+#: Largest number of materials that the legend names, those with the most elements.
 _NAMED = 24
 
 
@@ -36,7 +36,7 @@ def draw_materials(mesh: VolumeMesh, regions: Regions, *, unit: str, up: Axis = 
     up
         Axis that points up in 3D.
     """
-    colours = to_rgb(material_colours(len(regions.names), has_void=True))
+    colours = to_rgb(colours_of(regions.names))
     of_element = colours[regions.material]
     lower, upper = mesh.points.min(axis=0), mesh.points.max(axis=0)
     scale, unit = style.length_scale(float((upper - lower).max()), unit)
@@ -60,7 +60,9 @@ def draw_materials(mesh: VolumeMesh, regions: Regions, *, unit: str, up: Axis = 
         style.frame(row[2], lower[along] / scale, upper[along] / scale, unit)
         row[2].set_xlabel(f"{'xyz'[along[0]]} [{unit}]")
         row[2].set_ylabel(f"{'xyz'[along[1]]} [{unit}]")
-    shown, counts = regions.present[:_NAMED], np.bincount(regions.material).tolist()
+    counts = np.bincount(regions.material).tolist()
+    largest = sorted(regions.present, key=lambda r: -counts[r.number - 1])[:_NAMED]
+    shown = sorted(largest, key=lambda r: r.number)
     handles = [
         Patch(
             facecolor=colours[r.number - 1],

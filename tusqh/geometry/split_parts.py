@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -41,7 +42,7 @@ def split_parts(geometry: Surface) -> list[Surface]:
         return [
             replace(
                 geometry,
-                segments=geometry.segments[number == k],
+                **_used("segments", geometry.points, geometry.segments[number == k]),
                 chains=geometry.chains[number == k],
                 name=f"{geometry.name}, part {k + 1}",
                 parts=None if geometry.parts is None else geometry.parts[number == k],
@@ -54,7 +55,7 @@ def split_parts(geometry: Surface) -> list[Surface]:
     return [
         replace(
             geometry,
-            triangles=geometry.triangles[number == k],
+            **_used("triangles", geometry.points, geometry.triangles[number == k]),
             parts=geometry.parts[number == k],
             name=f"{geometry.name}, part {k + 1}",
         )
@@ -85,6 +86,12 @@ def names_of(pieces: Sequence[Surface]) -> list[str]:
         piece.part_names[k] if k < len(piece.part_names) else ""
         for piece, k in zip(pieces, numbers, strict=True)
     ]
+
+
+def _used(kind: str, points: FloatArray, simplices: IntArray) -> dict[str, Any]:
+    """Return some simplices as an argument of that name, and the points that they use."""
+    used, number = np.unique(simplices, return_inverse=True)
+    return {"points": points[used], kind: number.reshape(simplices.shape).astype(np.int64)}
 
 
 def _numbers(parts: IntArray | None) -> IntArray:
