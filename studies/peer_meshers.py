@@ -14,10 +14,17 @@ import time
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tusqh.grid import HEX_CORNERS, FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from tusqh.meshes.volume_mesh import VolumeMesh
+    from tusqh.pipeline.original import Original
+    from tusqh.sampling.fractions import VolumeFractions
+    from tusqh.threshold.selection import Selection
 
 #: Exit status if a peer is not installed.
 NOT_INSTALLED = 3
@@ -118,26 +125,47 @@ def mesh_by_tusqh(given: Arrays) -> Solid:
     given
         The surface, the grid and the settings, as arrays.
     """
+    mesh, _, _, _ = _mesh(given)
+    return mesh.points, mesh.cells
+
+
+def mesh_by_tusqh_fitted(given: Arrays) -> Solid:
+    """Return our hexes with the boundary moved onto the surface.
+
+    Parameters
+    ----------
+    given
+        The surface, the grid and the settings, as arrays.
+    """
+    from tusqh.fitting import fit_mesh
+    from tusqh.pipeline.fit import find_target
+
+    mesh, selection, fractions, original = _mesh(given)
+    target = find_target(mesh, selection, fractions, original)
+    size, base = fractions.grid.cell_size, selection.base or selection.threshold
+    fitted = fit_mesh(mesh, target, cell_size=size, threshold=base).mesh
+    return fitted.points, fitted.cells
+
+
+def _mesh(given: Arrays) -> tuple[VolumeMesh, Selection, VolumeFractions, Original]:
+    """Return our mesh with the selection, the fractions and the geometry of which it was made."""
     from tusqh.geometry.soup import Soup
     from tusqh.pipeline.build import build
-    from tusqh.pipeline.sample import sample
+    from tusqh.pipeline.original import Original
     from tusqh.settings.model import Settings
     from tusqh.threshold.selection import Selection
 
     settings = Settings.from_dict(json.loads(str(given["settings"])))
     selection = Selection.from_dict(json.loads(str(given["selection"])))
-    fractions = sample(
-        Soup(given["points"], given["triangles"], given["parts"]),
-        grid=settings.grid,
-        sampling=settings.sampling,
-        window=settings.window,
-    )
-    mesh = build(fractions, selection).mesh
-    return mesh.points, mesh.cells
+    soup = Soup(given["points"], given["triangles"], given["parts"])
+    original = Original(soup, settings.grid, settings.sampling, settings.window)
+    fractions = original.sample()
+    return build(fractions, selection).mesh, selection, fractions, original
 
 
 PEERS: dict[str, Callable[[Arrays], Solid]] = {
     "tusqh": mesh_by_tusqh,
+    "tusqh_fitted": mesh_by_tusqh_fitted,
     "automesh": mesh_by_automesh,
     "pytetwild": mesh_by_pytetwild,
     "pyvista": mesh_by_pyvista,

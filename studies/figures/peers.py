@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from studies.peers import FINISHED
 from tusqh.figures import style
 
-_MARKERS = ("D", "o", "^", "s", "v")
+_MARKERS = ("D", "P", "o", "^", "s", "v")
 
 _PANELS = (
     ("boundary_mean", "mean distance of the boundary\nto the surface [cells]"),

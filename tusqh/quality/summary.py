@@ -51,6 +51,8 @@ def summarise_model(
         "volume_over_winding": facts["volume"] / facts["winding_volume"],
         "winding_over_exact": winding_over_exact,
         "min_scaled_jacobian": float(found.get("scaled_jacobian", "nan")),
+        "mean_distance": facts.get("fit", {}).get("mean_distance", float("nan")),
+        "fell_back": facts.get("fit", {}).get("fell_back", float("nan")),
         "amount_relative_error": float(amount["amount_relative_error"].abs().max()),
         "verdict": overall(verdict),
     }

@@ -48,7 +48,7 @@ FOLDERS_OF_RESULTS = {"figures", "page", "provenance", "report", "tables", "test
 # What the global scope selects: the paper's studies rest on one threshold for the whole model.
 ONE_THRESHOLD = "results/{model}/one_threshold.json"
 PAPER_MODELS = {"chesapeake", "bearings", "dragon"}
-PEERS = ["tusqh", "automesh", "pytetwild", "pyvista", "trimesh"]
+PEERS = ["tusqh", "tusqh_fitted", "automesh", "pytetwild", "pyvista", "trimesh"]
 # How steps are started, see ../steps.
 SOCKET = f".snakemake/steps-{os.getpid()}.socket"
 START_STEP = shlex.join([sys.executable, "-I", "-S", os.fspath(BASE / "workflow/steps/start.py"), SOCKET])
