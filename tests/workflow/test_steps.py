@@ -2,6 +2,7 @@
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -121,3 +122,10 @@ def test_without_the_process_a_command_runs_as_it_is(command, tmp_path, monkeypa
     monkeypatch.chdir(tmp_path)
     assert run(command("import sys; print('alone'); sys.exit(4)")).returncode == 4
     assert run([*command("")[:-2], "echo", "other"]).stdout == "other\n"
+
+
+def test_a_process_that_was_killed_is_not_waited_for(command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with socket.socket(socket.AF_UNIX) as left:
+        left.bind("s")
+    assert run(command("print('alone')")).stdout == "alone\n"
