@@ -169,8 +169,8 @@ def test_the_sides_of_a_window_stay_plane():
     at_top = fitted.mesh.points[top][fitted.mesh.points[top][:, 2] == 0.25]
     assert len(at_top) > 50
     assert (fitted.mesh.points[:, 2] <= 0.25).all()
-    rim = np.hypot(at_top[:, 0], at_top[:, 1]).max()
-    assert rim == pytest.approx(np.sqrt(1 - 0.25**2), abs=0.02)
+    radii = np.sort(np.hypot(at_top[:, 0], at_top[:, 1]))[-20:]
+    assert radii == pytest.approx(np.sqrt(1 - 0.25**2), abs=0.05)
 
 
 def test_facets_beside_changed_cells_do_not_snap():

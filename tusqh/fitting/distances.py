@@ -7,13 +7,13 @@ import pandas as pd
 
 from tusqh.fitting.fitted import DISTANCE_COLUMNS
 from tusqh.fitting.nearest_piece import find_nearest, make_tree
+from tusqh.fitting.skin import unit
 from tusqh.fitting.target import Target, to_cells
 from tusqh.grid import BoolArray, FloatArray
 from tusqh.meshes.element_mesh import ElementMesh
 
-#: Facets this near a side of the box belong to it if they are this level, in cells: grids need not
-#: end at the sides of a window.
-_NEAR, _LEVEL = 0.75, 1e-6
+#: Facets this near a plane lie in it, in cells.
+_LEVEL = 1e-6
 
 
 def measure_distances(
@@ -52,18 +52,18 @@ def measure_distances(
         ("surface", "samples", back),
     ):
         values = values[np.isfinite(values)]
-        for unit, scale in (("cells", 1.0), ("model", target.grid.cell_size)):
+        for name, scale in (("cells", 1.0), ("model", target.grid.cell_size)):
             numbers = [np.nan] * 3
             if len(values):
                 numbers = [values.mean(), np.quantile(values, 0.99), values.max()]
-            rows.append((direction, at, len(values), unit, *(scale * n for n in numbers)))
+            rows.append((direction, at, len(values), name, *(scale * n for n in numbers)))
     return pd.DataFrame(rows, columns=list(DISTANCE_COLUMNS))
 
 
 def on_sides(corners: FloatArray, target: Target) -> BoolArray:
     """Return to which sides of the target's box facets belong, shape (facets, 2 * dim).
 
-    They are less than `_NEAR` from the plane of the side, and parallel to it.
+    They lie in the side, or in the plane of the grid that is the nearest to it.
 
     Parameters
     ----------
@@ -78,11 +78,36 @@ def on_sides(corners: FloatArray, target: Target) -> BoolArray:
     found = []
     for axis in range(dim):
         heights = corners[:, :, axis]
-        is_level = np.ptp(heights, axis=1) < _LEVEL
-        for side in range(2):
-            away = np.abs(heights.mean(axis=1) - target.sides[side, axis])
-            found.append(is_level & (away < _NEAR))
+        low, high = target.sides[:, axis]
+        planes = (low, np.ceil(low - 0.5 - _LEVEL)), (high, np.floor(high + 0.5 + _LEVEL))
+        for side, plane in planes:
+            away = np.minimum(
+                np.abs(heights - side).max(axis=1), np.abs(heights - plane).max(axis=1)
+            )
+            found.append(away < _LEVEL)
     return np.stack(found, axis=1)
+
+
+def is_beside_change(corners: FloatArray, target: Target) -> BoolArray:
+    """Return which facets of hexes lie beside a cell that was changed on purpose, shape (f,).
+
+    Parameters
+    ----------
+    corners
+        Corners of the facets, in cells, shape (f, 4, 3).
+    target
+        The target.
+    """
+    if target.changed is None:
+        return np.zeros(len(corners), dtype=np.bool_)
+    centre = corners.mean(axis=1)
+    normal = unit(np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]))
+    found = np.zeros(len(corners), dtype=np.bool_)
+    upper = np.array(target.grid.shape) - 1
+    for way in (-0.25, 0.25):
+        place = np.clip(np.floor(centre + way * normal).astype(np.int64), 0, upper)
+        found |= target.changed[tuple(place.T)]
+    return found
 
 
 def _triangles(corners: FloatArray) -> FloatArray:

@@ -15,8 +15,9 @@ from tusqh.grid import BoolArray, FloatArray, IntArray
 
 #: Weight of the difference of the normals.
 TURN = 0.49
-#: Farthest samples along and across the plane of a sample, and least cosine of the normals.
-_ALONG, _AGREE = 0.8, 0.2
+#: Farthest samples along their plane, in cells, and least cosine of the normals, of all samples and
+#: of those of one patch.
+_ALONG, _AGREE, _AGREE_IN_PATCH = 0.8, 0.2, -0.3
 
 
 class Bins(NamedTuple):
@@ -86,7 +87,14 @@ def sort_samples(points: FloatArray, normals: FloatArray, label: IntArray | None
 
 
 def find_samples(
-    bins: Bins, points: FloatArray, normals: FloatArray, cap: float, label: IntArray | None = None
+    bins: Bins,
+    points: FloatArray,
+    normals: FloatArray,
+    cap: float,
+    label: IntArray | None = None,
+    *,
+    turn: float = TURN,
+    reach: float = _ALONG,
 ) -> OnSamples:
     """Return the foot of every point on the plane of its nearest sample.
 
@@ -99,17 +107,22 @@ def find_samples(
     cap
         Largest distance to the plane, in cells.
     label
-        Patch whose samples count for each point, -1 for no sample, shape (n,); None: all count.
+        Patch whose samples count for each point, -1 for no sample and -2 for all, shape (n,); None:
+        all count.
+    turn
+        Weight of the difference of the normals.
+    reach
+        Farthest sample along its plane, in cells.
     """
     feet, found = points.copy(), normals.copy()
     is_found = np.zeros(len(points), dtype=np.bool_)
     label = np.full(len(points), -2, dtype=np.int64) if label is None else label
-    _find(bins, points, normals, cap, label, feet, found, is_found)
+    _find(bins, points, normals, (cap, turn, reach), label, feet, found, is_found)
     return OnSamples(feet, found, is_found)
 
 
 @numba.njit(cache=True)
-def _nearest(bins, p, n, label, reach):  # type: ignore[no-untyped-def]
+def _nearest(bins, p, n, label, reach, turn):  # type: ignore[no-untyped-def]
     """Return the nearest sample within `reach` bins, and the square of its distance."""
     best, which = 1e300, -1
     shape, low = bins.shape, bins.lowest
@@ -128,20 +141,21 @@ def _nearest(bins, p, n, label, reach):  # type: ignore[no-untyped-def]
                 square = 0.0
                 for a in range(3):
                     square += (bins.points[s, a] - p[a]) ** 2
-                    square += TURN * (bins.normals[s, a] - n[a]) ** 2
+                    square += turn * (bins.normals[s, a] - n[a]) ** 2
                 if square < best:
                     best, which = square, s
     return which, best
 
 
 @numba.njit(cache=True)
-def _foot(bins, p, n, cap, label, foot, normal):  # type: ignore[no-untyped-def]
+def _foot(bins, p, n, limits, label, foot, normal):  # type: ignore[no-untyped-def]
     """Fill in the foot of one point; return whether it counts."""
     if label == -1:
         return False
-    which, best = _nearest(bins, p, n, label, 1)
+    cap, turn, reach = limits
+    which, best = _nearest(bins, p, n, label, 1, turn)
     if best > 1.0:
-        which, best = _nearest(bins, p, n, label, 2)
+        which, best = _nearest(bins, p, n, label, 2, turn)
     if which < 0:
         return False
     q, m = bins.points[which], bins.normals[which]
@@ -154,10 +168,11 @@ def _foot(bins, p, n, cap, label, foot, normal):  # type: ignore[no-untyped-def]
         foot[a] = p[a] - off * m[a]
         normal[a] = m[a]
         along += (foot[a] - q[a]) ** 2
-    return agreement > _AGREE and along < _ALONG * _ALONG and abs(off) < cap
+    least = _AGREE if label < 0 else _AGREE_IN_PATCH
+    return agreement > least and along < reach * reach and abs(off) < cap
 
 
 @numba.njit(cache=True, parallel=True)
-def _find(bins, points, normals, cap, label, feet, found, is_found):  # type: ignore[no-untyped-def]
+def _find(bins, points, normals, limits, label, feet, found, is_found):  # type: ignore[no-untyped-def]
     for q in numba.prange(len(points)):
-        is_found[q] = _foot(bins, points[q], normals[q], cap, label[q], feet[q], found[q])
+        is_found[q] = _foot(bins, points[q], normals[q], limits, label[q], feet[q], found[q])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numba
@@ -63,7 +64,7 @@ class Planes(NamedTuple):
 
 def combine(
     points: FloatArray,
-    of_vertices: Planes,
+    of_vertices: Sequence[Planes],
     of_facets: Planes,
     facets: IntArray,
     share: FloatArray,
@@ -75,7 +76,7 @@ def combine(
     points
         Places of the vertices, shape (n, 3).
     of_vertices
-        Planes of vertices.
+        Sets of planes of vertices.
     of_facets
         One plane for each facet, at its centre.
     facets
@@ -85,7 +86,8 @@ def combine(
     """
     matrix, pull = np.zeros((len(points), 6)), np.zeros((len(points), 3))
     total = np.zeros(len(points))
-    _add_planes(points, of_vertices.row, *of_vertices[1:], matrix, pull)
+    for planes in of_vertices:
+        _add_planes(points, *planes, matrix, pull)
     _add_facets(points, facets, *of_facets[1:], share, total, matrix, pull)
     whole = np.empty((len(points), 3, 3))
     for k, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))):

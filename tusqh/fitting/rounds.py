@@ -8,7 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from tusqh.fitting.distances import on_sides
+from tusqh.fitting.distances import is_beside_change, on_sides
+from tusqh.fitting.features import Features, find_features
 from tusqh.fitting.level_set import pad_level, project
 from tusqh.fitting.moving import Moving
 from tusqh.fitting.nearest_sample import Bins, find_samples, sort_samples
@@ -25,6 +26,8 @@ _LOG = logging.getLogger("tusqh")
 _INWARDS = 0.3
 #: Largest distance from the staircase to the target, in cells.
 _CAP = 1.25
+#: The same for feature vertices, and how much stronger they are pulled.
+_FEATURE_CAP, _SHARP = 2.5, 5.0
 #: Weight of a vertex' own planes; those of its facets have the rest.
 _OWN = 1 / 3
 #: Thresholds this near 1/2 need no way along the level sets.
@@ -33,6 +36,8 @@ _SAME = 0.02
 _WEIGHTS = (10.0, 20.0, 50.0, 100.0, 200.0, 400.0, 400.0)
 #: Scaled Jacobian that the polish wishes for, and that ends it.
 _WISH, _ENOUGH = 0.5, 0.46
+#: The same at feature edges, where a facet may have a corner of nearly 180 degrees.
+_ENOUGH_SHARP = 0.32
 #: Weight of the fit term that leads to the smoothed staircase.
 _CALM = 100.0
 #: Weight of the fit term that holds a vertex where it is, in the polish.
@@ -61,6 +66,10 @@ class Rounds:
         Places of the boundary vertices from which they may go no farther than `_CAP`, shape (b, 3).
     calm
         Fit terms that lead to the smoothed staircase.
+    bins
+        The samples of the target, with their patches if there are features.
+    features
+        The feature edges; None if there are none.
     """
 
     moving: Moving
@@ -70,6 +79,8 @@ class Rounds:
     covers: IntArray
     anchor: FloatArray
     calm: FitTerms
+    bins: Bins
+    features: Features | None
 
     @classmethod
     def of(
@@ -106,27 +117,28 @@ class Rounds:
             new = np.arange(len(points))
             new[pillowed.inside] = pillowed.outside
             free[new[np.flatnonzero(fixed)]] = 0
-        is_owned = ~is_on.any(axis=1) & ~_is_changed(points[pillowed.facets], target)
+        is_owned = ~is_on.any(axis=1) & ~is_beside_change(points[pillowed.facets], target)
         anchor = points[skin.vertices]
         normals, _ = skin.normals(anchor)
         inwards = np.zeros_like(points)
         inwards[skin.vertices] = _INWARDS * normals
         points[pillowed.inside] -= inwards[pillowed.outside]
         moving = Moving.of(points, pillowed.cells, skin.vertices, free)
+        found = find_features(target, skin, anchor, is_owned)
+        bins, features = found or (sort_samples(target.points, target.normals), None)
+        averages = None if features is None else features.averages(skin)
         matrix = squares(normals)
         matrix[:, :3] += 0.1
-        calm = FitTerms(matrix, skin.smooth_apart(anchor, 3))
-        return cls(moving, skin, target, is_owned, pillowed.covers, anchor, calm)
+        if features is not None:
+            matrix[features.vertex, :3] += 0.4
+        calm = FitTerms(matrix, skin.smooth_apart(anchor, 3, averages))
+        layers = pillowed.covers
+        return cls(moving, skin, target, is_owned, layers, anchor, calm, bins, features)
 
     @property
     def places(self) -> FloatArray:
         """Places of the boundary vertices, shape (b, 3)."""
         return np.asarray(self.moving.points[self.skin.vertices])
-
-    @cached_property
-    def bins(self) -> Bins:
-        """The samples of the target."""
-        return sort_samples(self.target.points, self.target.normals)
 
     @cached_property
     def padded(self) -> FloatArray:
@@ -232,25 +244,50 @@ class Rounds:
         is_found
             Where they count, shape (b,).
         """
-        places = self.places
-        facets = self.skin.facets
+        places, facets, features = self.places, self.skin.facets, self.features
         normals, areas = self.skin.normals(places, self.is_owned)
         own = find_samples(self.bins, places, normals, _CAP)
         is_found = own.is_found & self.is_own
         is_found &= np.linalg.norm(own.points - self.anchor, axis=1) <= _CAP
         towards = unit(unit(areas) + 0.3 * normals[facets].mean(axis=1))
         centre = places[facets].mean(axis=1)
-        of_facets = find_samples(self.bins, centre, towards, _CAP)
-        weight = (of_facets.is_found & self.is_owned).astype(np.float64)
-        terms = combine(
-            places,
-            Planes(np.arange(len(places)), own.points, own.normals, np.where(is_found, _OWN, 0.0)),
-            Planes(np.arange(len(facets)), of_facets.points, of_facets.normals, weight),
-            facets,
-            np.full(len(places), 1 - _OWN),
-        )
+        label = None if features is None else np.where(features.label < 0, -2, features.label)
+        found = find_samples(self.bins, centre, towards, _CAP, label)
+        weight = (found.is_found & self.is_owned).astype(np.float64)
+        share = np.full(len(places), 1 - _OWN)
+        planes = [
+            Planes(np.arange(len(places)), own.points, own.normals, np.where(is_found, _OWN, 0.0))
+        ]
+        if features is not None:
+            is_on = features.is_on(len(places))
+            share[is_on] = 0.0
+            planes[0].weight[is_on] = 0.0
+            planes.append(self.patch_planes(features, normals))
+            is_found[is_on] = False
+            is_found[planes[1].row[planes[1].weight > 0]] = True
+        of_facets = Planes(np.arange(len(facets)), found.points, found.normals, weight)
+        terms = combine(places, planes, of_facets, facets, share)
         terms.matrix[:, :3] += 0.002
         return terms, is_found
+
+    def patch_planes(self, features: Features, normals: FloatArray) -> Planes:
+        """Return one plane of every patch around every feature vertex.
+
+        Parameters
+        ----------
+        features
+            The feature edges.
+        normals
+            Normals of the boundary vertices, shape (b, 3).
+        """
+        places = self.places[features.vertex]
+        at = normals[features.vertex]
+        found = find_samples(
+            self.bins, places, at, _FEATURE_CAP, features.patch, turn=0.1, reach=_FEATURE_CAP
+        )
+        away = np.linalg.norm(found.points - self.anchor[features.vertex], axis=1)
+        weight = np.where(found.is_found & (away <= _FEATURE_CAP), 1.0, 0.0)
+        return Planes(features.vertex, found.points, found.normals, weight)
 
     def approach(self, weight: float) -> None:
         """Move the boundary towards the planes of samples, else to the 1/2 level set.
@@ -264,6 +301,8 @@ class Rounds:
         level, is_level = self.level_terms(0.5)
         both = choose(is_found, terms, choose(is_level, level, self.calm))
         weights = np.where(is_found, weight, np.where(is_level, min(weight, 10.0), 3.0))
+        if self.features is not None:
+            weights[self.features.vertex] *= np.where(is_found[self.features.vertex], _SHARP, 1.0)
         self.moving.aim(self.skin.vertices, both, weights)
         self.moving.sweep(3, power=2)
         self._log(f"weight {weight}, {is_found.mean():.3f} on samples, {is_level.mean():.3f}")
@@ -272,14 +311,25 @@ class Rounds:
         """Raise the smallest scaled Jacobians, with weaker fit terms around the worst hexes."""
         for round_ in range(_POLISHES):
             scaled = self.moving.quality.scaled
-            if scaled.min() >= _ENOUGH:
+            is_bad = scaled < self.enough
+            if not is_bad.any():
                 return
             if round_ > 0:
-                around = np.unique(self.moving.cells[scaled < _ENOUGH])
+                around = np.unique(self.moving.cells[is_bad])
                 self.moving.weight[around] *= _RELEASE
             self.moving.moved[:] = 1.0
             self.moving.sweep(4, wish=_WISH, longest=0.1)
             self._log("polished")
+
+    @cached_property
+    def enough(self) -> FloatArray:
+        """Scaled Jacobian that each hex should reach; less at features, shape (m,)."""
+        wanted = np.full(len(self.moving.cells), _ENOUGH)
+        if self.features is not None:
+            is_on = np.zeros(len(self.moving.points), dtype=np.bool_)
+            is_on[self.skin.vertices[self.features.vertex]] = True
+            wanted[is_on[self.moving.cells].any(axis=1)] = _ENOUGH_SHARP
+        return wanted
 
     def _log(self, what: str) -> None:
         """Log the worst hex."""
@@ -290,17 +340,3 @@ class Rounds:
             found.scaled.min(),
             (found.determinant <= 0).sum(),
         )
-
-
-def _is_changed(corners: FloatArray, target: Target) -> BoolArray:
-    """Return which facets lie beside a cell that was changed on purpose, shape (f,)."""
-    if target.changed is None:
-        return np.zeros(len(corners), dtype=np.bool_)
-    centre = corners.mean(axis=1)
-    normal = unit(np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]))
-    found = np.zeros(len(corners), dtype=np.bool_)
-    upper = np.array(target.grid.shape) - 1
-    for way in (-0.25, 0.25):
-        place = np.clip(np.floor(centre + way * normal).astype(np.int64), 0, upper)
-        found |= target.changed[tuple(place.T)]
-    return found

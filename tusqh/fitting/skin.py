@@ -85,7 +85,9 @@ class Skin:
         _add_normals(points, self.facets, counts, of_facets, of_vertices)
         return unit(of_vertices), of_facets
 
-    def smooth(self, points: FloatArray, rounds: int) -> FloatArray:
+    def smooth(
+        self, points: FloatArray, rounds: int, averages: csr_array | None = None
+    ) -> FloatArray:
         """Return points moved half-way to the mean of their neighbours, several times.
 
         Parameters
@@ -94,22 +96,27 @@ class Skin:
             Places of `vertices`, shape (b, 3).
         rounds
             How often.
+        averages
+            Matrix of means of neighbours; None: of the neighbours along edges.
         """
+        means = self.averages if averages is None else averages
         for _ in range(rounds):
-            points = 0.5 * points + 0.5 * (self.averages @ points)
+            points = 0.5 * points + 0.5 * (means @ points)
         return points
 
-    def smooth_apart(self, points: FloatArray, rounds: int) -> FloatArray:
+    def smooth_apart(
+        self, points: FloatArray, rounds: int, averages: csr_array | None = None
+    ) -> FloatArray:
         """Return smoothed points, less far from the given ones where facets would cross.
 
         Parameters
         ----------
         points
             Places of `vertices`, at which no facets cross, shape (b, 3).
-        rounds
+        rounds, averages
             See `smooth`.
         """
-        away = self.smooth(points, rounds) - points
+        away = self.smooth(points, rounds, averages) - points
         share = np.ones(len(points))
         for _ in range(_HALVINGS):
             places = points + share[:, None] * away

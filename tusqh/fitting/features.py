@@ -1,0 +1,140 @@
+"""Feature edges of a boundary: borders of patches at which the surface has a crease."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components
+
+from tusqh.fitting.nearest_sample import Bins, find_samples, sort_samples
+from tusqh.fitting.patches import find_patches, label_facets, neighbours_of
+from tusqh.fitting.skin import Skin
+from tusqh.fitting.target import Target
+from tusqh.grid import BoolArray, FloatArray, IntArray
+
+#: Creases bend by more than this, and patches join where normals differ by less, in degrees.
+_CREASE, _SMOOTH = 30.0, 35.0
+#: Farthest patch from a feature edge, in cells, and fewest edges of a chain.
+_NEAR, _SHORTEST = 1.5, 4
+
+
+@dataclass(frozen=True)
+class Features:
+    """Feature edges between the patches of boundary facets.
+
+    Parameters
+    ----------
+    label
+        Patch of every facet, -1 for none, shape (f,).
+    edges
+        Ends of the feature edges, rows of the skin's vertices, shape (e, 2).
+    vertex, patch
+        Pairs of a feature vertex and a patch of one of its facets, shape (p,) each.
+    """
+
+    label: IntArray
+    edges: IntArray
+    vertex: IntArray
+    patch: IntArray
+
+    def is_on(self, n: int) -> BoolArray:
+        """Return which of n vertices of the skin lie on a feature edge, shape (n,).
+
+        Parameters
+        ----------
+        n
+            Number of vertices.
+        """
+        found = np.zeros(n, dtype=np.bool_)
+        found[self.edges] = True
+        return found
+
+    def averages(self, skin: Skin) -> csr_array:
+        """Return the matrix of means of neighbours; along chains, and corners stay.
+
+        Parameters
+        ----------
+        skin
+            The boundary.
+        """
+        n = skin.n_vertices
+        start, end = self.edges.T
+        pairs = np.concatenate([start, end]), np.concatenate([end, start])
+        along = coo_array((np.ones(2 * len(start)), pairs), shape=(n, n)).tocsr()
+        degree = np.asarray(along.sum(axis=1)).ravel()
+        is_on, is_middle = degree > 0, degree == 2
+        keep = coo_array((np.ones(n), (np.arange(n), np.arange(n))), shape=(n, n)).tocsr()
+
+        def chosen(matrix: csr_array, factor: FloatArray) -> csr_array:
+            diagonal = coo_array((factor, (np.arange(n), np.arange(n))), shape=(n, n)).tocsr()
+            return diagonal @ matrix
+
+        return (
+            chosen(skin.averages, np.where(is_on, 0.0, 1.0))
+            + chosen(along, np.where(is_middle, 0.5, 0.0))
+            + chosen(keep, np.where(is_on & ~is_middle, 1.0, 0.0))
+        ).tocsr()
+
+
+def find_features(
+    target: Target, skin: Skin, places: FloatArray, is_owned: BoolArray
+) -> tuple[Bins, Features] | None:
+    """Return samples with patches and the feature edges between them; None if there are none.
+
+    Parameters
+    ----------
+    target
+        The target.
+    skin
+        The boundary.
+    places
+        Places of its vertices, shape (b, 3).
+    is_owned
+        Facets that belong to a surface, shape (f,).
+
+    Returns
+    -------
+    found
+        The samples in bins, and the feature edges.
+    """
+    patch = find_patches(target, _SMOOTH)
+    if patch.max(initial=-1) < 1:
+        return None
+    bins = sort_samples(target.points, target.normals, patch)
+    label = label_facets(bins, skin, places, is_owned)
+    edges = _crease_edges(bins, skin, places, label)
+    edges = _long_chains(edges, skin.n_vertices)
+    if len(edges) == 0:
+        return None
+    is_on = np.zeros(skin.n_vertices, dtype=np.bool_)
+    is_on[edges] = True
+    vertex, patches = skin.facets.ravel(), np.repeat(label, 4)
+    counts = is_on[vertex] & (patches >= 0)
+    pairs = np.unique(np.stack([vertex[counts], patches[counts]], axis=1), axis=0)
+    return bins, Features(label, edges, pairs[:, 0], pairs[:, 1])
+
+
+def _crease_edges(bins: Bins, skin: Skin, places: FloatArray, label: IntArray) -> IntArray:
+    """Return the edges between facets of two patches that are near and bend there."""
+    across = (neighbours_of(skin) // 4).ravel()
+    facet, corner = np.divmod(np.arange(4 * len(label)), 4)
+    is_border = (label[facet] != label[across]) & (facet < across)
+    is_border &= (label[facet] >= 0) & (label[across] >= 0)
+    facet, across, corner = facet[is_border], across[is_border], corner[is_border]
+    edges = np.stack([skin.facets[facet, corner], skin.facets[facet, (corner + 1) % 4]], axis=1)
+    middle = places[edges].mean(axis=1)
+    normals = skin.normals(places)[0][edges].sum(axis=1) / 2
+    one = find_samples(bins, middle, normals, _NEAR, label[facet], turn=0.1, reach=_NEAR)
+    other = find_samples(bins, middle, normals, _NEAR, label[across], turn=0.1, reach=_NEAR)
+    bend = np.einsum("ek,ek->e", one.normals, other.normals) < np.cos(np.radians(_CREASE))
+    return np.asarray(edges[one.is_found & other.is_found & bend])
+
+
+def _long_chains(edges: IntArray, n: int) -> IntArray:
+    """Return the edges of connected chains that are not too short."""
+    graph = coo_array((np.ones(len(edges)), tuple(edges.T)), shape=(n, n))
+    number = connected_components(graph, directed=False)[1][edges[:, 0]]
+    length = np.bincount(number, minlength=1)
+    return np.asarray(edges[length[number] >= _SHORTEST])
