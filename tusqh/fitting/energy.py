@@ -298,7 +298,7 @@ def _visit(hexes, entries, v, terms, rule, moved, still):  # type: ignore[no-unt
 
 
 @numba.njit(cache=True, parallel=True)
-def sweep(  # type: ignore[no-untyped-def]
+def sweep_hexes(  # type: ignore[no-untyped-def]
     points,
     cells,
     neighbours,

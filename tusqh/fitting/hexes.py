@@ -15,11 +15,14 @@ from tusqh.fitting.fitted import Fitted
 from tusqh.fitting.repair import CROSSING, FOLD, Faults, list_regions, pull_back, put_back
 from tusqh.fitting.rounds import Rounds
 from tusqh.fitting.target import Target
-from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.grid import BoolArray, IntArray
 from tusqh.meshes.element_mesh import ElementMesh
 from tusqh.meshes.volume_mesh import VolumeMesh
 
 _LOG = logging.getLogger("tusqh")
+
+#: Feature edges are given up if the least scaled Jacobian is below this, and larger without them.
+_LEAST_WITH_FEATURES = 0.3
 
 
 def fit_hexes(
@@ -47,16 +50,18 @@ def fit_hexes(
     """
     begin = perf_counter()
     scale = (target.grid.cell_size, np.array(target.grid.origin))
-    rounds, regions = _cover(mesh, target, fixed, scale)
-    moving, skin = rounds.moving, rounds.skin
-    safe = moving.points.copy()
-    rounds.fit(threshold)
-    faults = Faults(moving, skin)
-    touched = put_back(moving, skin, safe)
-    if touched.any():
-        _polish_again(rounds, touched)
-    why = CROSSING if faults.crossed.any() else FOLD
-    regions.append(list_regions(moving, touched, "put back towards the staircase", why, scale))
+    rounds, regions = _run(mesh, target, fixed, threshold, True)
+    least = float(rounds.moving.quality.scaled.min(initial=1.0))
+    if rounds.features is not None and least < _LEAST_WITH_FEATURES:
+        others = _run(mesh, target, fixed, threshold, False)
+        plain = float(others[0].moving.quality.scaled.min(initial=1.0))
+        if plain > least:
+            is_on = np.zeros(len(rounds.moving.points), dtype=np.bool_)
+            is_on[rounds.skin.vertices[rounds.features.vertex]] = True
+            why = f"a hex would have a scaled Jacobian of {least:.2f} rather than {plain:.2f}"
+            row = list_regions(rounds.moving, is_on, "feature edges given up", why, scale)
+            rounds, regions = others[0], [*others[1], row]
+    moving = rounds.moving
     covers = rounds.covers
     new = VolumeMesh(
         points=moving.points * scale[0] + scale[1],
@@ -68,6 +73,28 @@ def fit_hexes(
     distances = measure_distances(new, target, rounds.is_owned)
     fell_back = pd.concat(regions, ignore_index=True)
     return Fitted(new, distances, fell_back, {"seconds": perf_counter() - begin})
+
+
+def _run(
+    mesh: ElementMesh,
+    target: Target,
+    fixed: BoolArray | None,
+    threshold: float,
+    has_features: bool,
+) -> tuple[Rounds, list[pd.DataFrame]]:
+    """Return the fitted hexes, and the regions that fell back."""
+    scale = (target.grid.cell_size, np.array(target.grid.origin))
+    rounds, regions = _cover(mesh, target, fixed, has_features)
+    moving, skin = rounds.moving, rounds.skin
+    safe = moving.points.copy()
+    rounds.fit(threshold)
+    faults = Faults(moving, skin)
+    touched = put_back(moving, skin, safe)
+    if touched.any():
+        _polish_again(rounds, touched)
+    why = CROSSING if faults.crossed.any() else FOLD
+    regions.append(list_regions(moving, touched, "put back towards the staircase", why, scale))
+    return rounds, regions
 
 
 def _polish_again(rounds: Rounds, touched: BoolArray) -> None:
@@ -83,17 +110,18 @@ def _cover(
     mesh: ElementMesh,
     target: Target,
     fixed: BoolArray | None,
-    scale: tuple[float, FloatArray],
+    has_features: bool,
 ) -> tuple[Rounds, list[pd.DataFrame]]:
     """Return the mesh with a layer that has no fault, on as much of the boundary as possible.
 
     Whole surfaces of the boundary lose the layer if it cannot be untangled on them.
     """
+    scale = (target.grid.cell_size, np.array(target.grid.origin))
     surface = _surfaces(mesh)
     is_covered = np.ones(len(surface), dtype=np.bool_)
     regions: list[pd.DataFrame] = []
     while True:
-        rounds = Rounds.of(mesh, target, fixed, is_covered)
+        rounds = Rounds.of(mesh, target, fixed, is_covered, has_features)
         if not is_covered.any():
             return rounds, regions
         rounds.untangle()

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numba
 import numpy as np
 
-from tusqh.fitting.energy import sweep
+from tusqh.fitting.energy import sweep_hexes
 from tusqh.fitting.planes import FitTerms
 from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.meshes.jacobians import HEX_NEIGHBOURS, Jacobians, smallest_jacobians
@@ -82,7 +82,7 @@ class Moving:
         return cls(points, cells, free, start, entries, order, bounds.astype(np.int64))
 
     def aim(self, vertices: IntArray, terms: FitTerms, weight: FloatArray) -> None:
-        """Set the fit terms of vertices, and let all of them move.
+        """Set the fit terms of vertices, and let them and what is around them move.
 
         Parameters
         ----------
@@ -95,7 +95,7 @@ class Moving:
         """
         self.matrix[vertices], self.place[vertices] = terms
         self.weight[vertices] = weight
-        self.moved[:] = 1.0
+        self.moved[vertices] = 1.0
 
     def sweep(
         self,
@@ -113,13 +113,13 @@ class Moving:
         times
             Number of sweeps.
         power, wish, longest, is_wild
-            See `tusqh.fitting.energy.sweep`.
+            See `tusqh.fitting.energy.sweep_hexes`.
         """
         n_threads = numba.get_num_threads()
         if len(self.order) < _FEW:  # Threads wait for each other longer than they work.
             numba.set_num_threads(1)
         for _ in range(times):
-            sweep(
+            sweep_hexes(
                 self.points,
                 self.cells,
                 HEX_NEIGHBOURS,

@@ -14,6 +14,7 @@ from tusqh.fitting.planes import FitTerms
 from tusqh.fitting.skin import Skin
 from tusqh.fitting.validity import find_unproven
 from tusqh.grid import BoolArray, FloatArray
+from tusqh.meshes.jacobians import smallest_jacobians
 
 #: Rounds in which vertices are pulled back: rings around the bad ones, and weight.
 _PULLS = ((0, 100.0), (0, 300.0), (0, 300.0), (1, 300.0), (1, 1000.0), (1, 1000.0), (2, 1000.0))
@@ -22,7 +23,10 @@ _SHARE, _FADE = 0.34, 0.2
 #: Rounds in which vertices are put back.
 _BACKS = 24
 
-FOLD, CROSSING = "a hex would be folded", "the boundary would cross itself"
+#: Scaled Jacobian below which a hex goes back to its safe place if it is better there.
+POOR = 0.21
+
+FOLD, CROSSING = "a hex would be folded or flat", "the boundary would cross itself"
 
 
 class Faults:
@@ -89,7 +93,7 @@ def pull_back(moving: Moving, skin: Skin, calm: FloatArray) -> BoolArray:
 
 
 def put_back(moving: Moving, skin: Skin, safe: FloatArray) -> BoolArray:
-    """Put vertices around faults back to safe places, shape (n,): those put back.
+    """Put vertices around faults and poor hexes back to safe places, shape (n,): those put back.
 
     The way back fades out over the rings around the faults.  At the latest it ends with all
     vertices in their safe places.
@@ -109,8 +113,10 @@ def put_back(moving: Moving, skin: Skin, safe: FloatArray) -> BoolArray:
         Whether each vertex of the mesh was put back, by any share.
     """
     fitted, share = moving.points.copy(), np.zeros(len(moving.points))
+    was_poor = smallest_jacobians(safe, moving.cells).scaled < POOR
     for round_ in range(_BACKS):
         faults = Faults(moving, skin).any
+        faults[moving.cells[(moving.quality.scaled < POOR) & ~was_poor]] = True
         if not faults.any():
             return share > 0
         near = moving.spread(faults, round_ // 4)

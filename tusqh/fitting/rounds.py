@@ -89,6 +89,7 @@ class Rounds:
         target: Target,
         fixed: BoolArray | None = None,
         is_covered: BoolArray | None = None,
+        has_features: bool = True,
     ) -> Rounds:
         """Return a mesh with a layer, before anything is fitted.
 
@@ -102,6 +103,8 @@ class Rounds:
             Points that do not move, shape (n,).
         is_covered
             Boundary facets that get a hex of the layer, see `tusqh.fitting.pillow.pillow`.
+        has_features
+            Whether creases of the surface become feature edges.
         """
         pillowed = pillow(mesh, is_covered)
         points = to_cells(pillowed.points, target.grid)
@@ -124,7 +127,7 @@ class Rounds:
         inwards[skin.vertices] = _INWARDS * normals
         points[pillowed.inside] -= inwards[pillowed.outside]
         moving = Moving.of(points, pillowed.cells, skin.vertices, free)
-        found = find_features(target, skin, anchor, is_owned)
+        found = find_features(target, skin, anchor, is_owned) if has_features else None
         bins, features = found or (sort_samples(target.points, target.normals), None)
         averages = None if features is None else features.averages(skin)
         matrix = squares(normals)
@@ -317,7 +320,8 @@ class Rounds:
             if round_ > 0:
                 around = np.unique(self.moving.cells[is_bad])
                 self.moving.weight[around] *= _RELEASE
-            self.moving.moved[:] = 1.0
+            self.moving.moved[:] = 0.0
+            self.moving.moved[self.moving.cells[scaled < _WISH]] = 1.0
             self.moving.sweep(4, wish=_WISH, longest=0.1)
             self._log("polished")
 
