@@ -36,7 +36,7 @@ def test_a_file_of_labels(tmp_path):
     # Options without an effect are refused.
     done = CliRunner().invoke(app, [*words, "--betti", "1,0,0"])
     assert done.exit_code != 0
-    assert "goal" in str(done.exception)
+    assert "target together with several materials" in str(done.exception)
 
 
 def test_a_file_for_each_material(tmp_path):

@@ -10,6 +10,7 @@ from tusqh.contacts import MaterialFractions, mesh_materials
 from tusqh.contacts.material_fractions import FULL
 from tusqh.contacts.score_field import score_field
 from tusqh.errors import ConfigError, GeometryError, SamplingError, TopologyError
+from tusqh.geometry.soup import Soup
 from tusqh.grid import BackgroundGrid, doubled
 
 
@@ -113,7 +114,7 @@ WRONG = [
     (LABELS, {"materials": {"a": 0.5}}, ConfigError, "no material 'a'"),
     (LABELS, {"materials": {"1": 1.5}}, ConfigError, "found 1.5"),
     (LABELS, {"materials": "cells"}, ConfigError, "found 'cells'"),
-    (LABELS, {"materials": {}, "threshold": 0.4}, ConfigError, "goal together with several"),
+    (LABELS, {"materials": {}, "threshold": 0.4}, ConfigError, "threshold together with several"),
     (LABELS, {"materials": {}, "rule": "clamped"}, ConfigError, "rule together with several"),
     (LABELS * 0.5, {"materials": {}}, GeometryError, "2 of 4 voxels are not whole numbers"),
     (np.arange(41_000 * 2).reshape(41_000, 2), {"materials": {}, "cells": 41_000}, SamplingError,
@@ -188,3 +189,46 @@ def test_meshing_again_with_the_thresholds_found_gives_the_same(files):
     found = tusqh.mesh([files / "ring.stl", files / "ball.stl"], cells=12, materials={"ball": 0.5})
     again = mesh_materials(found.fractions, thresholds=found.thresholds)
     assert np.array_equal(again.mesh.points, found.mesh.points)
+
+
+@pytest.mark.parametrize(
+    ("source", "materials", "message"),
+    [
+        (LABELS, [{"name": "x", "part": 1}], "`part` of the material 'x'"),
+        (LABELS, [{"name": "x", "source": "a.stl"}], "`source` of the material 'x'"),
+        (box((0, 0, 0), (1, 1, 1)), {1: "x"}, "`label` of the material 'x'"),
+    ],
+)
+def test_keys_of_materials_belong_to_a_kind_of_geometry(source, materials, message):
+    with pytest.raises(ConfigError, match=message):
+        tusqh.mesh(source, cells=4, materials=materials)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("a", -0.5, "64 cells with a fraction of 'a'.*-0.5 in cell"),
+        ("a", 1.5, "1.5 in cell"),
+        ("void", 0.5, "called void"),
+    ],
+)
+def test_fractions_of_cells_are_between_0_and_1(name, value, message):
+    with pytest.raises(SamplingError, match=message):
+        MaterialFractions.from_cells({name: np.full((4, 4, 4), value)})
+
+
+def test_a_material_without_any_fraction_is_left_out():
+    cells = {"a": np.zeros((3, 3)), "b": np.ones((3, 3))}
+    found = tusqh.mesh(MaterialFractions.from_cells(cells))
+    assert "fractions are 0 everywhere: a" in str(found.remarks[0])
+
+
+def test_parts_without_a_sample_in_the_window_are_left_out():
+    boxes = [box((3.0 * k, 0, 0), (3.0 * k + 2, 2, 2)) for k in range(3)]
+    soup = Soup.from_parts([(b.points, b.triangles) for b in boxes], part_names=["a", "b", "c"])
+    settings = {"cells": 5, "window": [[0, 0, 0], [5, 2, 2]]}
+    found = tusqh.mesh(soup, materials="parts", **settings)
+    assert found.built.names == ("a", "b", "void")
+    assert "1 parts without a sample in the window: c" in str(found.remarks[0])
+    with pytest.raises(SamplingError, match="no sample lies in the material 'c'"):
+        tusqh.mesh(soup, materials={"c": 0.5}, **settings)

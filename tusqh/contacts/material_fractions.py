@@ -148,6 +148,20 @@ class MaterialFractions:
                 expected="arrays of finite numbers and of one shape, with two or three axes",
                 remedy="give one array for each material",
             )
+        for name, array in zip(cells, arrays, strict=True):
+            is_out = (array < 0) | (array > 1)
+            if is_out.any() or name == VOID:
+                worst = float(array[is_out].min()) if (array < 0).any() else float(array.max())
+                place = tuple(int(k) for k in np.argwhere(array == worst)[0])
+                raise SamplingError(
+                    f"{int(is_out.sum())} cells with a fraction of {name!r} that is not between 0 "
+                    f"and 1, for instance {worst:g} in cell {place}"
+                    if is_out.any()
+                    else f"a material called {VOID}",
+                    where="volume fractions of several materials",
+                    expected="fractions from 0 to 1, of materials with other names than void",
+                    remedy="correct the fractions; void is what the materials leave",
+                )
         dim = arrays[0].ndim
         grid = BackgroundGrid(arrays[0].shape, cell_size, origin or (0.0,) * dim)
         halves = [np.kron(array, np.ones((2,) * dim)).astype(np.float64) for array in arrays]

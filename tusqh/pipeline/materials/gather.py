@@ -90,6 +90,7 @@ def gather(source: Any, wishes: Sequence[Material], image: Voxels | None = None)
         reading = read_source(source, image=meaning)
         if isinstance(reading.geometry, Image):
             labels = replace(reading.geometry, voxels=_require_labels(reading.geometry))
+            _require_no(wishes, ("part", "source"), "an image of labels", "`label` instead")
             return Gathered(tuple(wishes), image=labels, remarks=reading.remarks)
         return _gather_parts(reading.geometry, wishes, reading.remarks)
     return _gather_parts(None, wishes, ())
@@ -123,6 +124,7 @@ def _gather_parts(
     geometry: Surface | None, wishes: Sequence[Material], read: tuple[Remark, ...]
 ) -> Gathered:
     """Return materials that are parts of one geometry, or of files that they name."""
+    _require_no(wishes, ("label",), "not an image of labels", "`part` or `source` instead")
     remarks, cache = list(read), dict[str, list[Surface]]()
     parts = [] if geometry is None else split_parts(geometry)
     placed = [m for m in wishes if m.part is not None or m.source is not None]
@@ -143,6 +145,19 @@ def _gather_parts(
     wanted = [m.name for m in wishes]
     optional = () if placed else tuple(name for name in surfaces if name not in wanted)
     return Gathered(tuple(wishes), surfaces, remarks=tuple(remarks), optional=optional)
+
+
+def _require_no(wishes: Sequence[Material], keys: Sequence[str], kind: str, other: str) -> None:
+    """Raise a `ConfigError` if a material has a key that does not apply to the geometry."""
+    for material in wishes:
+        for key in keys:
+            if getattr(material, key) is not None:
+                raise ConfigError(
+                    f"`{key}` of the material {material.name!r}, and the geometry is {kind}",
+                    where="materials",
+                    expected=f"a material without `{key}`",
+                    remedy=f"give {other}, or remove it",
+                )
 
 
 def _part_of(parts: Sequence[Surface], material: Material) -> Surface:

@@ -114,7 +114,9 @@ def mesh_several(
 def _require_no_others(settings: Settings) -> None:
     """Raise a `ConfigError` if a given setting does not apply to several materials."""
     default = Settings()
-    given = [n for n in ("goal", "policy") if getattr(settings, n) != getattr(default, n)]
+    usual = default.goal.to_dict(defaults=False)
+    wished = settings.goal.to_dict(defaults=False) | settings.policy.to_dict(defaults=False)
+    given = [name for name, value in wished.items() if usual.get(name) != value]
     for section, names in (
         ("sampling", ("domain", "rule")),
         ("image", ("empty", "full", "labels")),

@@ -64,6 +64,10 @@ def note_absent(
         shares = score_field(fractions, k, values)[doubled.cells(grid.dim)] / FULL
         best = float(shares.max())
         size = min(grid.cell_size, volumes[fractions.names[k]] ** (1 / grid.dim)) / 2
+        if best == 0 and volumes[fractions.names[k]] == 0:
+            what = f"material whose fractions are 0 everywhere: {fractions.names[k]}"
+            remarks.append(Remark("left out", what, 1, "check where it comes from"))
+            continue
         fewer = f"a threshold below {best / (1 - best):.3g}, or " if best > 0 else ""
         remarks.append(
             Remark(
