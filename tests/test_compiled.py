@@ -24,7 +24,7 @@ class Listener(event.Listener):
 with event.install_listener("numba:compile", Listener()):
     for source in ("data_sources/solids/torus.stl", "data_sources/analytic/gap.svg"):
         result = tusqh.mesh(source, cells=12)
-        result.diagram, result.defects
+        result.diagram, result.defects, result.prices
 assert not [module for module in compiled if module.startswith("tusqh.")], compiled
 """
 
