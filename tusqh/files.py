@@ -178,7 +178,7 @@ _MESH_TO_VERDICT = (
         "bridges",
         "bridges.csv",
         "the bridges that join archipelagos, and the components that could not be joined",
-        _columns("kind edges length cells_a cells_b x_a y_a x_b y_b status"),
+        _columns("kind edges length cells_a cells_b x_a y_a z_a x_b y_b z_b status"),
     ),
     ResultFile(
         "changes",

@@ -422,7 +422,7 @@ def test_names_that_attack_are_only_text(browser, tmp_path):
     assert ATTACK in opened.text("#panel-quality")
     assert opened.page.locator("img").count() == 0
     # The scripts are the facts, five blocks, three.js and the page's code.
-    assert opened.page.locator("script").count() == 8
+    assert opened.page.locator("script").count() == 10
     assert opened.requests == [path.as_uri()]
     # If markup gets in nevertheless, the policy of the page does not let it run.
     opened.evaluate(

@@ -40,8 +40,8 @@ HOLES, VOIDS = ({name for name in VALUES if name.startswith(p)} for p in ("holes
 LOCAL = {"scope", "base"}  # They need a target or a persistence.
 WITHOUT_EFFECT = {
     "outline": IMAGES | VOIDS | LOCAL,
-    "surface": IMAGES | HOLES | LOCAL | {"bridges"},
-    "image": SAMPLING | HOLES | LOCAL | {"bridges"},
+    "surface": IMAGES | HOLES | LOCAL,
+    "image": SAMPLING | HOLES | LOCAL,
 }
 
 
@@ -136,10 +136,10 @@ def test_the_panels_of_a_model_apply_to_outlines():
 
 
 def test_the_remark_says_what_to_do():
-    settings = Settings.from_dict({"bridges": "all"})
+    settings = Settings.from_dict({"image": {"channel": 1}})
     reading = note_unused_settings(read_source(geometry("surface")), settings)
     assert str(reading.remarks[-1]) == (
-        "noted: 1 setting without effect: `bridges` applies only to outlines, in 2D (remove it)"
+        "noted: 1 setting without effect: `image.channel` applies only to images (remove it)"
     )
 
 

@@ -15,10 +15,14 @@ both quads of each of its edges belong to the material (see `tusqh.contacts.plan
     kept |  /           \  | kept
 
 Balls and edges fit together whatever surrounds them; paths only have no inner vertex in common.
+
+In space only paths are built, and none ends at a pinch that votes to separate.  Every vertex of a
+path gets a ball, and every edge a stick of the material (see `tusqh.contacts.spatial`).
 """
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -33,26 +37,25 @@ from tusqh.antialias.pinches import find_pinches
 from tusqh.contacts.one_material import MATERIAL
 from tusqh.contacts.one_material_contacts import find_contacts, label_cells
 from tusqh.contacts.planar import PlanarDecision
-from tusqh.grid import BackgroundGrid, BoolArray, IntArray
+from tusqh.grid import BackgroundGrid, BoolArray, IntArray, doubled
 from tusqh.grid.neighbourhoods import around_vertices
 from tusqh.settings.policy import BridgeMode
 
 if TYPE_CHECKING:
     from scipy.cluster.hierarchy import DisjointSet
 
-#: Columns of the table of bridges.
-BRIDGE_COLUMNS = [
-    "kind",
-    "edges",
-    "length",
-    "cells_a",
-    "cells_b",
-    "x_a",
-    "y_a",
-    "x_b",
-    "y_b",
-    "status",
-]
+
+def bridge_columns(dim: int) -> list[str]:
+    """Return the columns of the table of bridges.
+
+    Parameters
+    ----------
+    dim
+        Dimension of the grid.
+    """
+    ends = [f"{axis}_{end}" for end in "ab" for axis in "xyz"[:dim]]
+    return ["kind", "edges", "length", "cells_a", "cells_b", *ends, "status"]
+
 
 ACCEPTED = "accepted"
 NO_ROOM = "not joined: another bridge is in the way"
@@ -65,7 +68,7 @@ class Bridge:
     Parameters
     ----------
     vertices
-        Grid vertices of the path in order, shape (m, 2).
+        Grid vertices of the path in order, shape (m, dim).
     cells
         Flat indices of a kept cell of each component that it joins, shape (2,).
     row
@@ -78,7 +81,7 @@ class Bridge:
 
     @property
     def edges(self) -> tuple[IntArray, IntArray]:
-        """The lower end of every edge, shape (m - 1, 2), and the step across it, the same shape."""
+        """In 2D the lower end of every edge and the step across it, shape (m - 1, 2) each."""
         low = np.minimum(self.vertices[:-1], self.vertices[1:])
         return low, 1 - np.abs(np.diff(self.vertices, axis=0))
 
@@ -90,8 +93,10 @@ class Bridge:
         kept
             Kept cells, shape n.
         """
-        low, across = self.edges
-        beside = np.concatenate([low, low - across])
+        low = np.minimum(self.vertices[:-1], self.vertices[1:])
+        is_across = np.diff(self.vertices, axis=0) == 0
+        corners = np.indices((2,) * kept.ndim).reshape(kept.ndim, -1).T
+        beside = (low[:, None] - corners * is_across[:, None]).reshape(-1, kept.ndim)
         return bool(kept.ravel()[self.cells].all() and not kept[tuple(beside.T)].any())
 
 
@@ -110,7 +115,7 @@ def join_components(
         The background grid.
     mode
         `forest` joins only components that are still separate, so no hole appears; `all` follows
-        every path between components that were different at the start.  Nothing is joined in 3D.
+        every path between components that were different at the start.
 
     Returns
     -------
@@ -123,16 +128,19 @@ def join_components(
         components, end points, and whether it was accepted.
     """
     is_joined = np.zeros(tuple(n + 1 for n in kept.shape), dtype=bool)
-    if mode == "none" or kept.ndim != 2:
-        return is_joined, [], pd.DataFrame(columns=BRIDGE_COLUMNS)
+    columns = bridge_columns(kept.ndim)
+    if mode == "none":
+        return is_joined, [], pd.DataFrame(columns=columns)
     labels = label_kept(label_cells(kept), find_contacts(kept, is_interior))
     joiner = _Joiner(labels, int(labels.max(initial=0)), grid, joins_all=mode == "all")
-    is_pinch = find_pinches(kept)
-    _join_pinches(joiner, kept, is_pinch & ~is_interior[::2, ::2], is_joined, is_interior)
-    ends = _interior_edges(kept, is_interior)
+    separates = find_pinches(kept) & ~is_interior[doubled.vertices(kept.ndim)]
+    if kept.ndim == 2:
+        _join_pinches(joiner, kept, separates, is_joined, is_interior)
+        separates = np.zeros_like(separates)
+    ends = _interior_edges(kept, is_interior, separates)
     bridges = _join_paths(joiner, kept, ends)
     _report_unjoined(joiner, ends)
-    return is_joined, bridges, pd.DataFrame(joiner.rows, columns=BRIDGE_COLUMNS)
+    return is_joined, bridges, pd.DataFrame(joiner.rows, columns=columns)
 
 
 def lay_bridges(decision: PlanarDecision, bridges: list[Bridge]) -> PlanarDecision:
@@ -170,7 +178,7 @@ class _Joiner:
 
     def component_at_vertex(self) -> IntArray:
         """Return the component of the kept cells around every flat vertex, 0 if there is none."""
-        around = around_vertices(self.label[1:-1, 1:-1])
+        around = around_vertices(self.label[(slice(1, -1),) * self.label.ndim])
         return np.asarray(np.maximum.reduce(around).ravel(), dtype=np.int64)
 
     def may_join(self, a: int, b: int) -> bool:
@@ -183,7 +191,7 @@ class _Joiner:
         n_edges = len(vertices) - 1
         numbers = [n_edges, n_edges * self.grid.cell_size, self.n_cells[a], self.n_cells[b]]
         row = [kind, *numbers, *ends.ravel().tolist(), status]
-        self.rows.append(dict(zip(BRIDGE_COLUMNS, row, strict=True)))
+        self.rows.append(dict(zip(bridge_columns(self.label.ndim), row, strict=True)))
         return len(self.rows) - 1
 
 
@@ -222,21 +230,29 @@ def _join_pinches(
             is_joined[i, j] = True
 
 
-def _interior_edges(kept: BoolArray, is_interior: BoolArray) -> IntArray:
-    """Return the ends of the interior edges between two empty cells of the grid, shape (m, 2)."""
+def _interior_edges(kept: BoolArray, is_interior: BoolArray, is_barred: BoolArray) -> IntArray:
+    """Return the ends of the interior edges between empty cells of the grid, shape (m, 2).
+
+    No edge may end at a vertex that is barred.
+    """
+    others = (slice(1, -1),) * (kept.ndim - 1)
     vertex_shape = tuple(n + 1 for n in kept.shape)
     vertex = np.arange(np.prod(vertex_shape), dtype=np.int64).reshape(vertex_shape)
     # A path may pass only interior vertices, but it may end at any vertex of a kept cell.
-    usable = is_interior[::2, ::2] | np.logical_or.reduce(around_vertices(kept))
+    usable = is_interior[doubled.vertices(kept.ndim)]
+    usable = (usable | np.logical_or.reduce(around_vertices(kept))) & ~is_barred
     ends = []
-    for axis in range(2):
+    for axis in range(kept.ndim):
         # Move the axis first, and leave out edges on the border of the grid.
-        interior = np.moveaxis(is_interior, axis, 0)[1::2, 2:-2:2]
+        of_edges = (slice(1, None, 2), *(slice(2, -2, 2),) * (kept.ndim - 1))
+        mask = np.moveaxis(is_interior, axis, 0)[of_edges].copy()
         empty = ~np.moveaxis(kept, axis, 0)
-        at_ends = np.moveaxis(usable, axis, 0)[:, 1:-1]
-        mask = interior & empty[:, :-1] & empty[:, 1:] & at_ends[:-1] & at_ends[1:]
-        vertices = np.moveaxis(vertex, axis, 0)
-        ends.append(np.stack([vertices[:-1, 1:-1][mask], vertices[1:, 1:-1][mask]], axis=1))
+        for corner in itertools.product((slice(-1), slice(1, None)), repeat=kept.ndim - 1):
+            mask &= empty[(slice(None), *corner)]
+        at_ends = np.moveaxis(usable, axis, 0)[(slice(None), *others)]
+        mask &= at_ends[:-1] & at_ends[1:]
+        vertices = np.moveaxis(vertex, axis, 0)[(slice(None), *others)]
+        ends.append(np.stack([vertices[:-1][mask], vertices[1:][mask]], axis=1))
     return np.concatenate(ends)
 
 

@@ -31,7 +31,7 @@ from tusqh.errors import TopologyError
 from tusqh.grid import BoolArray, FloatArray, IntArray, doubled
 from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.fractions import VolumeFractions
-from tusqh.settings.policy import Policy
+from tusqh.settings.policy import BridgeMode, Policy
 from tusqh.topology.betti_numbers import BettiNumbers
 from tusqh.topology.clamping import distinct_levels
 from tusqh.topology.topology import Topology
@@ -75,10 +75,12 @@ class CellSet:
 
     @cached_property
     def decision(self) -> Decision:
-        """The templates that realise the votes of all contacts, and in 2D the bridges."""
+        """The templates that realise the votes of all contacts, and the bridges."""
         if self.kept.ndim == 3:
             t = thresholds_of(self.threshold)
-            return decide_sticks(OneMaterial(self.fractions), self.labels, t)
+            paths = [bridge.vertices for bridge in self.bridges]
+            material = OneMaterial(self.fractions)
+            return decide_sticks(material, self.labels, t, paths=paths, material=MATERIAL)
         return lay_bridges(PlanarDecision.of(self.labels, self.contacts), self.bridges)
 
     @cached_property
@@ -221,12 +223,17 @@ class CellSets:
                 remedy="use the other key, or ask for Betti numbers with `target`",
             )
 
+    @property
+    def _bridges(self) -> BridgeMode:
+        """Which bridges are built."""
+        return self.policy.bridges_in(self.fractions.grid.dim)
+
     @cached_property
     def distinct_fractions(self) -> FloatArray:
         """Distinct fractions at which the cell set may change, in (0, 1], from high to low."""
         multiples = self.fractions.multiples
         parts = [multiples]
-        if self.policy.bridges == "none" and multiples.ndim == 2:  # Edges play no part.
+        if self._bridges == "none" and multiples.ndim == 2:  # Edges play no part.
             parts = [multiples[doubled.cells(2)], multiples[doubled.vertices(2)]]
         return np.asarray(distinct_levels(parts)[::-1] * RESOLUTION, dtype=np.float64)
 
@@ -243,8 +250,7 @@ class CellSets:
         policy = self.policy
         if not (policy.components.keeps_all and policy.holes.keeps_all and policy.voids.keeps_all):
             return False
-        has_no_bridges = policy.bridges == "none" or self.fractions.grid.dim == 3
-        return has_no_bridges or raw_betti_0 < 2
+        return self._bridges == "none" or raw_betti_0 < 2
 
     def at(self, threshold: float) -> CellSet:
         """Return the cells at a threshold, their decisions and their predicted topology.
@@ -274,7 +280,7 @@ class CellSets:
         kept = self.fractions.cells_at_least(threshold)
         is_interior = self.fractions.at_least(threshold)
         is_joined, bridges, table = join_components(
-            kept, is_interior, self.fractions.grid, mode=self.policy.bridges
+            kept, is_interior, self.fractions.grid, mode=self._bridges
         )
         is_interior[doubled.vertices(kept.ndim)] |= is_joined
         return _State(threshold, kept, is_interior, bridges), table

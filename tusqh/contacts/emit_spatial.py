@@ -102,7 +102,7 @@ def emit_spatial(
     """
     labels = decision.labels
     flat = labels.ravel()
-    faces = [_find_faces(decision.field, axis, grid) for axis in range(3)]
+    faces = [_find_faces(decision, axis, grid) for axis in range(3)]
     split, frusta = _find_frusta(flat, faces)
     is_split = np.zeros(labels.size, dtype=bool)
     is_split[split] = True
@@ -186,8 +186,9 @@ def _emit_others(
     emitter.add(found.elements, owners, np.where(of_ball, CONNECTING, kind[rows]), material)
 
 
-def _find_faces(field: Field, axis: int, grid: BackgroundGrid) -> _Faces:
+def _find_faces(decision: SpatialDecision, axis: int, grid: BackgroundGrid) -> _Faces:
     """Return the faces normal to an axis with a marked corner, and their materials."""
+    field = decision.field
     numbers, below, above, sticks, has = face_sticks(field, axis)
     first, second = field.steps[axis - 2], field.steps[axis - 1]
     at_ball = np.zeros(len(numbers), dtype=bool)
@@ -200,8 +201,9 @@ def _find_faces(field: Field, axis: int, grid: BackgroundGrid) -> _Faces:
     single = np.where(field.sides[axis, numbers] == 1, above, below)
     at_edges = np.where(has, sticks, single[:, None])
     rings = at_edges[:, _ring_order(axis)]
-    # Between cells of one material nothing but their own can be at the edges.
-    rings = np.where((below == above)[:, None], below[:, None], rings)
+    # Between cells of one material nothing but their own and bridges can be at the edges.
+    is_own = (below == above)[:, None] & ~_find_bridged(decision, axis, numbers)
+    rings = np.where(is_own, below[:, None], rings)
     is_one = (rings == rings[:, :1]).all(axis=1) & ~at_ball
     is_one &= (rings[:, 0] == below) | (rings[:, 0] == above)
     upper = np.stack(np.unravel_index(numbers, tuple(n + 1 for n in grid.shape)))
@@ -215,6 +217,19 @@ def _find_faces(field: Field, axis: int, grid: BackgroundGrid) -> _Faces:
         plain=np.where(is_one, rings[:, 0], -1).astype(np.int32),
         side=side,
     )
+
+
+def _find_bridged(decision: SpatialDecision, axis: int, faces: IntArray) -> BoolArray:
+    """Return which rings of faces normal to an axis lie along an edge of a bridge, shape (f, 4)."""
+    found = np.zeros((len(faces), 4), dtype=bool)
+    if decision.bridged is None:
+        return found
+    a, b = (axis + 1) % 3, (axis + 2) % 3
+    step_a, step_b = decision.field.steps[a], decision.field.steps[b]
+    # The edges are in the order of `face_sticks`.
+    edges = [(b, faces), (b, faces + step_a), (a, faces), (a, faces + step_b)]
+    found = np.stack([decision.bridged[k, e] for k, e in edges], axis=1)
+    return np.asarray(found[:, _ring_order(axis)])
 
 
 def _ring_order(axis: int) -> list[int]:

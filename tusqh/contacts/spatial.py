@@ -11,6 +11,7 @@ faces is marked too.  Marks and balls are only added, so the procedure ends.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 from tusqh.contacts.decided import Contacts, Labels
 from tusqh.contacts.octants import octants
 from tusqh.contacts.planar import find_diagonals
-from tusqh.contacts.spatial_votes import SpatialVotes
+from tusqh.contacts.spatial_votes import LAYERS, SpatialVotes
 from tusqh.contacts.stick_field import Field, faces_of_kites, find_pinched
 from tusqh.contacts.sticks import improve, judge
 from tusqh.contacts.votes import Fractions
@@ -43,12 +44,16 @@ class SpatialDecision:
         Pinched edges and vertices with their decided materials.
     n_overruled
         Number of pinched edges and vertices whose vote was overruled, which is 0.
+    bridged
+        Edges between cells of void whose sticks belong to a bridge, numbered as in `field`, shape
+        (3, n_v); None: there are no bridges.
     """
 
     labels: NDArray[np.signedinteger]
     field: Field
     contacts: Contacts
     n_overruled: int
+    bridged: BoolArray | None = None
 
 
 class _Decider:
@@ -82,6 +87,24 @@ class _Decider:
         self.field.ball[self.vertices] = votes.of_vertices(self.vertices)
         self._mark(self.vertices)
         self.field.stale[self.vertices] = True
+
+    def lay(self, paths: Sequence[IntArray], material: int) -> BoolArray:
+        """Give balls to the vertices of bridges and sticks to their edges, and return these edges.
+
+        The sticks count as pinched, so that they keep their material.
+        """
+        field, bridged = self.field, np.zeros(self.field.is_pinched.shape, dtype=bool)
+        for path in paths:
+            vertices = np.ravel_multi_index(tuple((path + LAYERS).T), self.votes.shape)
+            field.ball[vertices], field.has_ball[vertices] = material, True
+            self._mark(vertices)
+            axis = np.abs(np.diff(path, axis=0)).argmax(axis=1)
+            edges = np.minimum(vertices[:-1], vertices[1:])
+            bridged[axis, edges] = True
+            field.sticks[axis, edges] = material
+            self._make_stale(vertices)
+        field.is_pinched[bridged] = True
+        return bridged
 
     def run(self) -> None:
         """Decide all sticks."""
@@ -184,6 +207,9 @@ def decide_sticks(
     fractions: Fractions,
     labels: Labels,
     thresholds: IntArray,
+    *,
+    paths: Sequence[IntArray] = (),
+    material: int = 0,
 ) -> SpatialDecision:
     """Return the materials of all sticks and balls.
 
@@ -195,10 +221,17 @@ def decide_sticks(
         Material of every cell, with two layers of void around them, shape ``n + 4``.
     thresholds
         Threshold of every material, in multiples of 2**-20, shape (m,).
+    paths
+        Grid vertices of bridges through void, in order, shape (p, 3) each.
+    material
+        Material of the bridges.
     """
     votes = SpatialVotes(fractions, labels, thresholds)
     decider = _Decider(votes)
+    bridged = decider.lay(paths, material) if len(paths) else None
     decider.run()
+    if bridged is not None:
+        decider.field.is_pinched[bridged] = False
     field, vertices = decider.field, decider.vertices
     sticks = np.full((len(vertices), 6), -1, dtype=np.int32)
     for e in range(6):
@@ -223,6 +256,7 @@ def decide_sticks(
             ),
         ),
         n_overruled=0,
+        bridged=bridged,
     )
 
 

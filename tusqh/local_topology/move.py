@@ -6,7 +6,7 @@ be.  Cells in which the two differ are added or removed while they are simple, f
 fraction is nearest to the threshold of the seed.  What then still differs from the base is what the
 topology costs.  Every contact of the result votes at the threshold of the seed.
 
-In the plane, cells that touch a bridge stay as they are in the seed, because bridges run through
+Cells that touch a bridge stay as they are in the seed, because bridges run through
 empty cells.
 """
 

@@ -58,7 +58,7 @@ def mesh(
     orientation: Orientation = "auto",
     sampler: Sampler = "crossings",
     tolerance: float = 1e-6,
-    bridges: BridgeMode = "forest",
+    bridges: BridgeMode | None = None,
     components: Mapping[str, Any] | None = None,
     holes: Mapping[str, Any] | None = None,
     voids: Mapping[str, Any] | None = None,
@@ -121,7 +121,8 @@ def mesh(
     tolerance
         Largest error of a fraction before it is rounded, for the sampler ``"crossings"``.
     bridges
-        In 2D, which components to join along interior edges: ``"forest"``, ``"all"`` or ``"none"``.
+        Which components to join along interior edges: ``"forest"``, ``"all"`` or ``"none"``; by default
+        a forest in 2D and none in 3D.
     components, holes, voids
         Criteria that these must meet to stay, such as ``{"min_cells": 4}``, see
         `tusqh.settings.policy.Criteria`.

@@ -29,10 +29,10 @@ def find_without_effect(settings: Section, kind: str) -> Iterator[str]:
     Examples
     --------
     >>> from tusqh.settings.model import Settings
-    >>> settings = Settings.from_dict({"bridges": "none"})
-    >>> list(find_without_effect(settings, "surface"))
-    ['`bridges` applies only to outlines, in 2D']
+    >>> settings = Settings.from_dict({"voids": {"min_cells": 2}})
     >>> list(find_without_effect(settings, "outline"))
+    ['`voids.min_cells` applies only to surfaces and images']
+    >>> list(find_without_effect(settings, "surface"))
     []
     """
     return _find(settings, kind, prefix="", kinds=())

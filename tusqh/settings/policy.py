@@ -63,12 +63,11 @@ class Policy(Section):
 
     title: ClassVar[str] = "Bridges and features"
 
-    bridges: BridgeMode = setting(
-        "2D: join components along interior edges while they are separate (`forest`), along "
-        "every such path between different components, which may make holes (`all`), or not at "
-        "all (`none`).",
-        default="forest",
-        kinds=("outline",),
+    bridges: BridgeMode | None = setting(
+        "Join components along interior edges while they are separate (`forest`), along every such "
+        "path between different components, which may make holes (`all`), or not at all (`none`).",
+        default=None,
+        otherwise="forest in 2D, none in 3D",
     )
     components: Criteria = setting(
         "What a component must meet to stay; each removal is a row in `features.csv`.",
@@ -86,3 +85,15 @@ class Policy(Section):
         prefix="voids-",
         kinds=("surface", "image"),
     )
+
+    def bridges_in(self, dim: int) -> BridgeMode:
+        """Return which bridges are built: the given ones, else a forest in 2D and none in 3D.
+
+        Parameters
+        ----------
+        dim
+            Dimension of the grid.
+        """
+        if self.bridges is not None:
+            return self.bridges
+        return "forest" if dim == 2 else "none"

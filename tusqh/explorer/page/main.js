@@ -80,7 +80,7 @@ class Explorer {
       { title: 'Checks of the final mesh', table: tables.verdict, options: { classes: { holds: PASSES, name: WIDE, found: WIDE } } },
       { title: 'Quality of its elements', table: tables.elements, options: { digits: 4, classes: { unit: SMALL } } },
       { title: 'Small features removed or filled', table: tables.features, options: { digits: 4, hide: ['x', 'y', 'z'] } },
-      { title: 'Bridges between components', table: this.isFlat ? tables.bridges : null, options: { digits: 4, hide: ['x_a', 'y_a', 'x_b', 'y_b'] } },
+      { title: 'Bridges between components', table: this.isFlat || tables.bridges.rows.length ? tables.bridges : null, options: { digits: 4, hide: ['x_a', 'y_a', 'z_a', 'x_b', 'y_b', 'z_b'] } },
     ]);
     makeTabs(document.querySelector('.tabs'), () => this.diagram.draw());
     this.diagram.draw(1);
