@@ -121,8 +121,8 @@ def mesh(
     tolerance
         Largest error of a fraction before it is rounded, for the sampler ``"crossings"``.
     bridges
-        Which components to join along interior edges: ``"forest"``, ``"all"`` or ``"none"``; by default
-        a forest in 2D and none in 3D.
+        Which components to join along interior edges: ``"forest"``, ``"all"`` or ``"none"``; by
+        default a forest in 2D and none in 3D.
     components, holes, voids
         Criteria that these must meet to stay, such as ``{"min_cells": 4}``, see
         `tusqh.settings.policy.Criteria`.
