@@ -154,7 +154,8 @@ def check_wishes(seed, dim, largest):
             for ended in start.there - done.there:
                 expected[features.classes["dimension"][ended]] -= 1
             assert tuple(cells.predicted) == tuple(expected)
-            assert betti_by_flag_complex(cells.kept, features.space.votes) == tuple(expected)
+            if seed % 4 == 0:  # It takes much longer than the other two counts.
+                assert betti_by_flag_complex(cells.kept, features.space.votes) == tuple(expected)
             changed = cells.kept != base.kept
             assert (cells.kept[changed] == (do == FILL or about.birth < 0.5)).all()
             measured = build_mesh(cells, fractions.grid).mesh.measurement
