@@ -1,0 +1,68 @@
+"""Feature edges: creases of boxes at any rotation are captured, balls have none."""
+
+import numpy as np
+import pytest
+import trimesh
+
+import tusqh
+from tusqh.fitting import Target, fit_mesh
+from tusqh.fitting.features import find_features
+from tusqh.fitting.nearest_piece import find_nearest, make_tree
+from tusqh.fitting.patches import find_patches
+from tusqh.fitting.skin import Skin
+from tusqh.fitting.target import to_cells
+
+
+def turned_box(seed):
+    box = trimesh.creation.box((2, 1.4, 1))
+    turn = np.random.default_rng(seed).random(3)
+    box.apply_transform(trimesh.transformations.random_rotation_matrix(turn))
+    return box
+
+
+def mesh_of(body, cells):
+    result = tusqh.mesh((body.vertices, body.faces), cells=cells, placement="corner", threshold=0.5)
+    return result.mesh, Target.of(result.geometry, result.fractions)
+
+
+def features_of(mesh, target):
+    skin = Skin.of(mesh.facets.boundary)
+    places = to_cells(mesh.points[skin.vertices], target.grid)
+    owned = np.ones(len(skin.facets), dtype=bool)
+    return skin, find_features(target, skin, places, owned)
+
+
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
+def test_the_edges_of_a_turned_box_are_captured(seed):
+    box = turned_box(seed)
+    mesh, target = mesh_of(box, 16)
+    fitted = fit_mesh(mesh, target, cell_size=target.grid.cell_size)
+    assert fitted.mesh.jacobians.scaled.min() > 0.3
+    facets = to_cells(fitted.mesh.points, target.grid)[fitted.mesh.facets.boundary]
+    edges = np.stack([facets, np.roll(facets, -1, axis=1)], axis=2).reshape(-1, 2, 3)
+    drawn = make_tree(edges[:, [0, 1, 1]])
+    corners = to_cells(box.vertices, target.grid)
+    assert find_nearest(drawn, corners).distance.max() < 0.1
+    creases = corners[box.face_adjacency_edges[box.face_adjacency_angles > 0.5]]
+    shares = np.linspace(0, 1, 40)[None, :, None]
+    along = (creases[:, :1] * (1 - shares) + creases[:, 1:] * shares).reshape(-1, 3)
+    assert (find_nearest(drawn, along).distance < 0.1).mean() >= 0.99
+    cells = fitted.distances[fitted.distances["unit"] == "cells"]
+    assert cells["mean"].max() < 0.03
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_labels_of_a_box_have_its_corners(seed):
+    mesh, target = mesh_of(turned_box(seed), 14)
+    assert set(find_patches(target, 35.0)) == set(range(6))
+    _, found = features_of(mesh, target)
+    _, features = found
+    n_patches = np.bincount(features.vertex)
+    assert (n_patches == 3).sum() == 8
+    assert n_patches.max() == 3
+
+
+def test_a_ball_has_no_features():
+    ball = trimesh.creation.icosphere(subdivisions=4)
+    mesh, target = mesh_of(ball, 14)
+    assert features_of(mesh, target)[1] is None
