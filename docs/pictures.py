@@ -15,6 +15,7 @@ import trimesh
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from PIL import Image
 
 import tusqh
 from tusqh.figures import style
@@ -163,7 +164,7 @@ def draw_fitted() -> Figure:
         f"{fitted.n_cells:,} hexes, fitted",
         "cut open",
     )
-    figure, axes = style.new_figure(1, 4, width=13.0, height=3.9)
+    figure, axes = style.new_figure(1, 4, width=11.0, height=3.3)
     for panel, picture, text in zip(axes[0], pictures, words, strict=True):
         show(panel, picture, text)
     mappable = ScalarMappable(Normalize(0, 1), cmap="viridis")
@@ -255,7 +256,12 @@ DRAWINGS = {
 def main() -> None:
     """Draw all pictures, or those that are named."""
     for name in sys.argv[1:] or DRAWINGS:
-        style.save(DRAWINGS[name](), FOLDER / f"{name}.png")
+        path = FOLDER / f"{name}.png"
+        style.save(DRAWINGS[name](), path)
+        # A palette of 256 colours makes a picture of shaded solids three times smaller.
+        with Image.open(path) as picture:
+            palette = picture.convert("RGB").quantize(256, dither=Image.Dither.NONE)
+        palette.save(path, optimize=True)
 
 
 if __name__ == "__main__":
