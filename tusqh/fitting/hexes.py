@@ -22,7 +22,7 @@ from tusqh.meshes.volume_mesh import VolumeMesh
 _LOG = logging.getLogger("tusqh")
 
 #: Feature edges are given up if the least scaled Jacobian is below this, and larger without them.
-_LEAST_WITH_FEATURES = 0.3
+_LEAST_WITH_FEATURES = 0.25
 
 
 def fit_hexes(
