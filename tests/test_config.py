@@ -138,7 +138,7 @@ def test_the_file_that_holds_the_mistake_is_named(tmp_path):
             ["'a' and 'A'", "upper and lower case"],
         ),
         (
-            "models: {a: {geometry: a.tif, image: {voxel: 3}}}",
+            "models: {a: {geometry: a.tif, image: {voxelsize: 3}}}",
             ["a.image", "'voxel'", "did you mean 'voxel_size'"],
         ),
         ("models: {a: {geometry: a.tif, image: {voxel_size: 0}}}", ["found 0", "above 0"]),
