@@ -139,7 +139,7 @@ def test_the_file_that_holds_the_mistake_is_named(tmp_path):
         ),
         (
             "models: {a: {geometry: a.tif, image: {voxelsize: 3}}}",
-            ["a.image", "'voxel'", "did you mean 'voxel_size'"],
+            ["a.image", "'voxelsize'", "did you mean 'voxel_size'"],
         ),
         ("models: {a: {geometry: a.tif, image: {voxel_size: 0}}}", ["found 0", "above 0"]),
         ("models: {a: {geometry: a.tif, image: 3}}", ["a.image", "found 3"]),
