@@ -11,7 +11,15 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from tusqh.figures import style
-from tusqh.figures.rendering import EDGES, EDGES_BELOW, grid_of, polydata_of, render, show
+from tusqh.figures.rendering import (
+    EDGES,
+    EDGES_BELOW,
+    grid_of,
+    polydata_of,
+    render,
+    show,
+    without_margins,
+)
 from tusqh.geometry.image import Image
 from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.outline import Outline
@@ -109,20 +117,22 @@ def _draw_solid(
     geometry: Soup | Image, staircase: VolumeMesh, fitted: VolumeMesh, up: Axis
 ) -> Figure:
     box = geometry.bounding_box()
-    figure, axes = style.new_figure(2, 2, width=12.0, height=8.8)
-    panels, size = axes.ravel(), (1350, 930)
-    show(panels[0], render(polydata_of(geometry), box, up=up, size=size, color=_MODEL), "the model")
     edges = EDGES if fitted.n_cells < EDGES_BELOW else {}
-    for panel, mesh, title in zip(
-        panels[1:3], (staircase, fitted), _titles(staircase, fitted)[:2], strict=True
-    ):
-        surface = _surface(mesh, None)
-        show(panel, render(surface, box, up=up, size=size, color=style.MATERIAL, **edges), title)
-    surface = _surface(fitted, fitted.jacobians.scaled)
-    look: dict[str, Any] = {"scalars": "quality", "cmap": _QUALITY, "clim": (0.0, 1.0)}
+    plain: dict[str, Any] = {"color": style.MATERIAL, **edges}
     # Little shade, so that a colour means the same on every side.
-    picture = render(surface, box, up=up, size=size, ambient=0.85, diffuse=0.2, **look, **edges)
-    show(panels[3], picture, _titles(staircase, fitted)[2])
+    by_quality: dict[str, Any] = {"scalars": "quality", "cmap": _QUALITY, "clim": (0.0, 1.0)}
+    by_quality |= {"ambient": 0.85, "diffuse": 0.2, **edges}
+    drawn: list[tuple[Any, dict[str, Any]]] = [
+        (polydata_of(geometry), {"color": _MODEL}),
+        (_surface(staircase, None), plain),
+        (_surface(fitted, None), plain),
+        (_surface(fitted, fitted.jacobians.scaled), by_quality),
+    ]
+    pictures = [render(solid, box, up=up, size=(1350, 1180), **look) for solid, look in drawn]
+    figure, axes = style.new_figure(2, 2, width=12.0, height=11.0)
+    panels, titles = axes.ravel(), ["the model", *_titles(staircase, fitted)]
+    for panel, picture, title in zip(panels, without_margins(pictures), titles, strict=True):
+        show(panel, picture, title)
     _add_scale(figure, panels[3])
     return figure
 

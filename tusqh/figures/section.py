@@ -59,7 +59,8 @@ def draw_sections(geometry: Soup | Image, mesh: VolumeMesh, *, name: str, unit: 
         panel.set_xlabel(f"{_AXES[along[0]]} [{unit}]")
         panel.set_ylabel(f"{_AXES[along[1]]} [{unit}]")
         # Rounding keeps a plane through the origin from being named by its rounding error.
-        shown = round(place / scale, 6 - int(np.ceil(np.log10(float((high - low).max()) / scale))))
+        digits = 6 - int(np.ceil(np.log10(float((high - low).max()) / scale)))
+        shown = round(place / scale, digits) + 0.0
         panel.set_title(f"{_AXES[normal]} = {shown:.4g} {unit}")
     handles = [
         Patch(color=style.MATERIAL, label="elements of the mesh"),
