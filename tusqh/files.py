@@ -51,7 +51,7 @@ class ResultFile:
         """
         if dimension == 3:
             return self.columns
-        return tuple(c for c in self.columns if c.rpartition("_")[2] not in {"k", "z"})
+        return tuple(c for c in self.columns if not {"k", "z"} & set(c.split("_")))
 
 
 def path_of(name: str, folder: Path) -> Path:

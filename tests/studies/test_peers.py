@@ -102,8 +102,9 @@ def test_every_peer_meshes_a_box(peer):
     assert (row["betti_0"], row["betti_1"], row["betti_2"]) == (1, 0, 0)
     assert row["worst_scaled_jacobian"] > 0.1
     assert row["boundary_max"] < 1.01
-    # trimesh keeps every voxel that the surface touches.
-    assert abs(row["volume_error"]) < (2.0 if peer == "trimesh" else 0.01)
+    # trimesh keeps every voxel that the surface touches; fitted edges give way to good elements.
+    bound = {"trimesh": 2.0, "tusqh_fitted": 0.02}.get(peer, 0.01)
+    assert abs(row["volume_error"]) < bound
     assert timing["seconds"] > 0
     assert timing["elements"] > 0
 

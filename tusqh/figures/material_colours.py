@@ -99,8 +99,8 @@ def to_oklab(rgb: FloatArray) -> FloatArray:
 
     Examples
     --------
-    >>> to_oklab(np.ones((1, 3))).round(3).tolist()
-    [[1.0, 0.0, -0.0]]
+    >>> (to_oklab(np.ones((1, 3))).round(3) + 0.0).tolist()
+    [[1.0, 0.0, 0.0]]
     """
     linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
     return np.asarray(np.cbrt(linear @ _TO_CONES.T) @ _TO_LAB.T)

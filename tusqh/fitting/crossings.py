@@ -30,8 +30,9 @@ def find_crossings(points: FloatArray, facets: IntArray) -> BoolArray:
     >>> both = np.concatenate([quad, upright])
     >>> find_crossings(both, np.arange(8).reshape(2, 4)).tolist()
     [True, True]
-    >>> find_crossings(both + [[0, 0, 0]] * 4 + [[0, 0, 2]] * 4, np.arange(8).reshape(2, 4)).any()
-    np.False_
+    >>> apart = both + np.repeat([[0, 0, 0], [0, 0, 2]], 4, axis=0)
+    >>> bool(find_crossings(apart, np.arange(8).reshape(2, 4)).any())
+    False
     """
     triangles = np.concatenate([facets[:, [0, 1, 2]], facets[:, [0, 2, 3]]])
     is_crossed = np.zeros(len(facets), dtype=np.bool_)

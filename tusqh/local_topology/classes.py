@@ -56,8 +56,8 @@ def list_classes(fractions: VolumeFractions, pairs: pd.DataFrame) -> pd.DataFram
     >>> grid = BackgroundGrid(shape=(5, 5), cell_size=1.0, origin=(0.0, 0.0))
     >>> fractions = VolumeFractions.from_values(grid, 4, values)
     >>> found = list_classes(fractions, Topology(fractions.multiples).pairs)
-    >>> found.loc[1, ["class", "death", "x", "y"]].tolist()
-    ['hole', 0.0, 2.5, 2.5]
+    >>> found.loc[1, "class"], found.loc[1, ["death", "x", "y"]].astype(float).tolist()
+    ('hole', [0.0, 2.5, 2.5])
     """
     refined = _pairs_of(fractions.multiples)
     places = _align(pairs, refined)

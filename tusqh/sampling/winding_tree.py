@@ -83,7 +83,7 @@ def wind_beside(tree: WindingTree, points: FloatArray, steps: FloatArray) -> Flo
     >>> points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     >>> faces = np.array([[0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 2, 1]])
     >>> at, step = np.array([[0.2, 0.2, 0.0]]), np.array([[0.0, 0.0, 0.1]])
-    >>> wind_beside(plant(points[faces]), at, step).round(6).tolist()
+    >>> (wind_beside(plant(points[faces]), at, step).round(6) + 0.0).tolist()
     [[1.0, 0.0]]
     """
     found = np.empty((len(points), 2))

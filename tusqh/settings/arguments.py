@@ -123,7 +123,7 @@ def options_of(section: type[Section]) -> list[Argument]:
     --------
     >>> from tusqh.settings.voxels import Voxels
     >>> [argument.option for argument in options_of(Voxels)]
-    ['--voxel-size', '--empty', '--full', '--labels', '--channel']
+    ['--voxel-size', '--empty', '--full', '--labels', '--channel', '--voxels', '--voxel-order']
     """
     found = _arguments(section, lambda entry: not entry.setting.argument)
     return [option for argument in found for option in _by_word(argument)]
