@@ -165,7 +165,7 @@ def test_links_are_relative_and_lead_to_files(overview, tmp_path):
     page, parts = overview(write_model(tmp_path / "results/ring", "ring"))
     (tmp_path / "results/pinches.png").write_bytes(b"")
     local = [link for link in parts.links + parts.images if not link.startswith("#")]
-    assert len(local) == 6
+    assert len(local) == 7
     for link in local:
         assert not link.startswith(("/", "http"))
         assert (page.parent / unquote(link)).is_file(), link

@@ -62,7 +62,8 @@ def read_materials_model(
         and n_holding == len(verification)
         and bool(certificate["holds"]),
         is_warned=bool((verdict["holds"] == "warning").any()),
-        lines=_describe(certificate, materials, verification) | {"verdict": overall(verdict)},
+        lines=_describe(certificate, materials, verification)
+        | {"verdict": overall(_grouped(verdict))},
         source=describe_source(certificate, geometries, register),
         tables={
             "Materials, and all of them together": _with_verdicts(materials, verdict),
@@ -73,6 +74,19 @@ def read_materials_model(
         links=links,
     )
 
+
+def _grouped(verdict: pd.DataFrame) -> pd.DataFrame:
+    """Return the verdict with one row for a warning that more than `_FEW` materials have."""
+    is_warned = (verdict["holds"] == "warning") & (verdict["material"] != "all")
+    check = verdict["name"].str.rpartition(": ")[2]
+    number = check[is_warned].map(check[is_warned].value_counts()).reindex(verdict.index).fillna(0)
+    together = check + " of " + number.astype(int).astype(str) + " materials"
+    grouped = verdict.assign(name=verdict["name"].mask(number > _FEW, together))
+    return grouped[~(grouped.duplicated("name") & (number > _FEW))]
+
+
+#: Warnings of up to so many materials name each of them.
+_FEW = 3
 
 #: Columns with names of materials, which may look like numbers.
 _NAMES = ("material", "first", "second")
