@@ -76,4 +76,13 @@ def main() -> None:
         report_error(f"error in {error}")
         raise SystemExit(2) from None
     except SystemExit as end:
+        _flush_output()
         raise SystemExit(to_exit_code(end.code)) from None
+
+
+def _flush_output() -> None:
+    """Write what is still buffered, so that a reader who has left is noticed before Python ends."""
+    try:
+        sys.stdout.flush()
+    except (BrokenPipeError, SystemExit):
+        return  # `catch_signals` has noted the signal.
