@@ -131,7 +131,7 @@ def emit_spatial(
 def _find_frusta(flat: Labels, faces: list[_Faces]) -> tuple[IntArray, Labels]:
     """Return the cells that are split, ascending, and the materials of their frusta.
 
-    The materials have shape (6, number of split cells); -1 where there is no frustum.
+    The materials have shape (6, number of split cells); -1 on sides without a frustum.
     """
     beside = np.unique(np.concatenate([cells for f in faces for cells in (f.lower, f.upper)]))
     frusta = np.stack([flat[beside]] * 6)

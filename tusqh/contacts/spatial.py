@@ -46,7 +46,7 @@ class SpatialDecision:
         Number of pinched edges and vertices whose vote was overruled, which is 0.
     bridged
         Edges between cells of void whose sticks belong to a bridge, numbered as in `field`, shape
-        (3, n_v); None: there are no bridges.
+        (3, n_v); None without bridges.
     """
 
     labels: NDArray[np.signedinteger]

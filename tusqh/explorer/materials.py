@@ -1,7 +1,7 @@
 """Make the explorer page of a mesh of several materials.
 
 It shows the mesh, coloured by material; each material can be hidden.  Each has a threshold of its
-own against the others, so there is no single threshold to move.
+own against the others, so that no single threshold can be moved.
 """
 
 from __future__ import annotations

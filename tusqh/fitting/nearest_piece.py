@@ -8,6 +8,7 @@ import numba
 import numpy as np
 
 from tusqh.grid import FloatArray, IntArray
+from tusqh.sampling.halving import halve_triangles
 
 #: Most triangles in a leaf.
 _LEAF = 4
@@ -49,7 +50,7 @@ class NearestPoints(NamedTuple):
     triangle
         The triangle on which it lies, shape (n,).
     distance
-        Distance to it, shape (n,); infinite if there are no triangles.
+        Distance to it, shape (n,); infinite without triangles.
     """
 
     points: FloatArray
@@ -66,7 +67,7 @@ def make_tree(corners: FloatArray) -> BoxTree:
         Corners of every triangle, shape (m, 3, 3).
     """
     order = np.arange(len(corners))
-    first, last, child = _split(corners.mean(axis=1), order)
+    first, last, child = halve_triangles(corners.mean(axis=1), order, _LEAF)
     corners = np.ascontiguousarray(corners[order], dtype=np.float64)
     lower, upper = np.empty((len(first), 3)), np.empty((len(first), 3))
     _bound(corners, first, last, child, lower, upper)
@@ -96,34 +97,6 @@ def find_nearest(tree: BoxTree, points: FloatArray) -> NearestPoints:
         _search(tree, np.ascontiguousarray(points, dtype=np.float64), found, which, square)
         which = tree.order[which]
     return NearestPoints(found, which, np.sqrt(square))
-
-
-@numba.njit(cache=True)
-def _split(middle, order):  # type: ignore[no-untyped-def]
-    """Sort triangles into nodes, halved along the longest axis of their centres."""
-    n = len(order)
-    first, last, child = [0], [n], [-1]
-    node = 0
-    while node < len(first):
-        a, b = first[node], last[node]
-        if b - a > _LEAF:
-            axis, widest = 0, -1.0
-            for k in range(3):
-                low, high = np.inf, -np.inf
-                for i in range(a, b):
-                    low = min(low, middle[order[i], k])
-                    high = max(high, middle[order[i], k])
-                if high - low > widest:
-                    axis, widest = k, high - low
-            part = order[a:b].copy()
-            order[a:b] = part[np.argsort(middle[part, axis], kind="mergesort")]
-            half = (a + b) // 2
-            child[node] = len(first)
-            first += [a, half]
-            last += [half, b]
-            child += [-1, -1]
-        node += 1
-    return np.array(first), np.array(last), np.array(child)
 
 
 @numba.njit(cache=True)

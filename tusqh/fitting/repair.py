@@ -105,7 +105,7 @@ def put_back(moving: Moving, skin: Skin, safe: FloatArray) -> BoolArray:
     skin
         Their boundary.
     safe
-        Places at which there is no fault, shape (n, 3).
+        Places without a fault, shape (n, 3).
 
     Returns
     -------

@@ -116,8 +116,9 @@ def _missing(features: Features, what: str, rows: IntArray) -> TopologyError:
     return TopologyError(
         what,
         where="features",
-        expected="a class of the diagram of this grid, such as\n    "
-        + ("\n    ".join(listed) or "none: there are no such classes"),
+        expected="a class of the diagram of this grid, such as\n    " + "\n    ".join(listed)
+        if listed
+        else "a diagram with such a class; that of this grid has none",
         remedy="name one of these by its row, or by its class and a point; another grid has "
         "another diagram",
     )

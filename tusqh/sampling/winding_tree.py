@@ -12,6 +12,7 @@ import numba
 import numpy as np
 
 from tusqh.grid import FloatArray, IntArray
+from tusqh.sampling.halving import halve_triangles
 
 #: A node is far if its centre is at least this many of its radii away.
 _FAR = 3.0
@@ -55,7 +56,7 @@ def plant(corners: FloatArray) -> WindingTree:
     """
     middle = corners.mean(axis=1)
     order = np.arange(len(corners))
-    first, last, child = _split(middle, order)
+    first, last, child = halve_triangles(middle, order, _LEAF)
     corners = np.ascontiguousarray(corners[order])
     vectors = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
     centre, dipole = np.empty((len(first), 3)), np.empty((len(first), 3))
@@ -89,34 +90,6 @@ def wind_beside(tree: WindingTree, points: FloatArray, steps: FloatArray) -> Flo
     found = np.empty((len(points), 2))
     _wind(tree, np.ascontiguousarray(points), np.ascontiguousarray(steps), found)
     return found
-
-
-@numba.njit(cache=True)
-def _split(middle, order):  # type: ignore[no-untyped-def]
-    """Sort triangles into nodes, halved along the longest axis of their centres."""
-    n = len(order)
-    first, last, child = [0], [n], [-1]
-    node = 0
-    while node < len(first):
-        a, b = first[node], last[node]
-        if b - a > _LEAF:
-            axis, widest = 0, -1.0
-            for k in range(3):
-                low, high = np.inf, -np.inf
-                for i in range(a, b):
-                    low = min(low, middle[order[i], k])
-                    high = max(high, middle[order[i], k])
-                if high - low > widest:
-                    axis, widest = k, high - low
-            part = order[a:b].copy()
-            order[a:b] = part[np.argsort(middle[part, axis], kind="mergesort")]
-            half = (a + b) // 2
-            child[node] = len(first)
-            first += [a, half]
-            last += [half, b]
-            child += [-1, -1]
-        node += 1
-    return np.array(first), np.array(last), np.array(child)
 
 
 @numba.njit(cache=True, parallel=True)
