@@ -60,9 +60,9 @@ def compare_suitability(
         `parts` that are joined by shared facets; `zero_modes` of the Neumann stiffness
         matrix; `mechanisms`, zero modes of elasticity beyond rigid motions; `condition` of the
         stiffness matrix, scaled by its diagonal, on its range, and the `iterations` of
-        conjugate gradients; `leak`, the share of the heat released in the largest part that flows
-        into others; `min_scaled_jacobian`; `volume_error` against the winding-number
-        volume; `cells_added`, `cells_removed`, `sweeps` and `ended` of the repair.
+        conjugate gradients (see `split_iterations`); `leak`, the share of the heat released in the
+        largest part that flows into others; `min_scaled_jacobian`; `volume_error` against the
+        winding-number volume; `cells_added`, `cells_removed`, `sweeps` and `ended` of the repair.
     """
     fractions = cell_sets.fractions
     volume = fractions.volume()
@@ -100,6 +100,27 @@ def compare_suitability(
     table = pd.DataFrame(rows)
     counts = ["cells_added", "cells_removed", "sweeps"]
     return table.astype(dict.fromkeys(counts, "Int64"))
+
+
+def split_iterations(table: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return a table without the numbers of iterations, and a table with nothing else.
+
+    The iterations depend on the order in which a processor's linear algebra adds numbers, and may
+    differ by one from machine to machine; they are therefore in a file of their own, which is not
+    compared with the lock.
+
+    Parameters
+    ----------
+    table
+        See `compare_suitability`.
+
+    Returns
+    -------
+    suitability, iterations
+        All columns but `iterations`; `model`, `choice`, `scheme` and `iterations`.
+    """
+    keys = ["model", "choice", "scheme"]
+    return table.drop(columns="iterations"), table[[*keys, "iterations"]]
 
 
 def measure_suitability(mesh: VolumeMesh) -> dict[str, Any]:
@@ -165,14 +186,14 @@ def summarise_suitability(table: pd.DataFrame) -> pd.DataFrame:
 
     The columns are the number of `meshes`, of `manifold` ones, and of those with mechanisms or a
     leak; `largest_leak`; the number of meshes `as_chosen` among those at the model's own threshold
-    (`chosen`); `smallest_scaled_jacobian`; the median ratios of the condition number and of the
-    iterations to those of the raw cells; the largest volume change against the raw cells;
-    `most_sweeps` of the repair, and whether all repairs ended.
+    (`chosen`); `smallest_scaled_jacobian`; the median ratio of the condition number to that of the
+    raw cells; the largest volume change against the raw cells; `most_sweeps` of the repair, and
+    whether all repairs ended.
 
     Parameters
     ----------
     table
-        The concatenated tables of `compare_suitability`.
+        The concatenated tables of `compare_suitability`, without iterations.
     """
     keys = ["model", "choice"]
     volume = 1 + table.set_index(["scheme", *keys])["volume_error"]
@@ -193,13 +214,42 @@ def summarise_suitability(table: pd.DataFrame) -> pd.DataFrame:
                 "chosen": len(chosen),
                 "smallest_scaled_jacobian": float(of_scheme["min_scaled_jacobian"].min()),
                 "median_condition_ratio": _median_ratio(of_scheme, raw, "condition"),
-                "median_iterations_ratio": _median_ratio(of_scheme, raw, "iterations"),
                 "largest_volume_change": float((volume[scheme] / volume[RAW] - 1).abs().max()),
                 "most_sweeps": of_scheme["sweeps"].max(),
                 "all_ended": bool(of_scheme["ended"].all()) if scheme == REPAIRED else None,
             }
         )
     return pd.DataFrame(rows).astype({"most_sweeps": "Int64"})
+
+
+def summarise_iterations(table: pd.DataFrame) -> pd.DataFrame:
+    """Return one row per scheme: its `meshes`, and the iterations that conjugate gradients needed.
+
+    The columns are the `smallest`, the `median` and the `largest` number, and the `median_ratio` to
+    that of the raw cells.
+
+    Parameters
+    ----------
+    table
+        The concatenated second tables of `split_iterations`.
+    """
+    keys = ["model", "choice"]
+    raw = table[table["scheme"] == RAW].set_index(keys)
+    rows = []
+    for scheme in (RAW, REPAIRED, OURS):
+        of_scheme = table[table["scheme"] == scheme].set_index(keys)
+        numbers = of_scheme["iterations"]
+        rows.append(
+            {
+                "scheme": scheme,
+                "meshes": len(of_scheme),
+                "smallest": int(numbers.min()),
+                "median": float(numbers.median()),
+                "largest": int(numbers.max()),
+                "median_ratio": _median_ratio(of_scheme, raw, "iterations"),
+            }
+        )
+    return pd.DataFrame(rows)
 
 
 def _median_ratio(table: pd.DataFrame, raw: pd.DataFrame, column: str) -> float:

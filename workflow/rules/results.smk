@@ -16,6 +16,7 @@ PAGE_TABLES = [
     "results/tables/orientation_pooled.csv",
     "results/tables/recommended_grids.csv",
     "results/tables/suitability_summary.csv",
+    "results/tables/suitability_iterations.csv",
     "results/tables/peers_summary.csv",
 ]
 PAGE_FIGURES = [

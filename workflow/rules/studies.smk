@@ -17,6 +17,7 @@ rule suitability:
         selection=ONE_THRESHOLD,
     output:
         table="results/{model}/suitability.csv",
+        iterations="results/{model}/suitability_iterations.csv",
     script:
         "../scripts/suitability.py"
 
@@ -24,10 +25,12 @@ rule suitability:
 rule suitability_of_all_models:
     input:
         tables=expand("results/{model}/suitability.csv", model=MODELS),
+        iterations=expand("results/{model}/suitability_iterations.csv", model=MODELS),
     output:
         table=report("results/tables/suitability.csv", "../report/suitability.rst", category="Tables"),
         summary=report("results/tables/suitability_summary.csv", "../report/suitability.rst", category="Tables"),
         markdown="results/tables/suitability_summary.md",
+        iterations=report("results/tables/suitability_iterations.csv", "../report/suitability_iterations.rst", category="Tables"),
     script:
         "../scripts/suitability_of_all_models.py"
 

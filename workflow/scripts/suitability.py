@@ -1,7 +1,7 @@
 from pathlib import Path
 
 from provenance.record import recorded
-from studies.suitability import OWN_THRESHOLD, compare_suitability
+from studies.suitability import OWN_THRESHOLD, compare_suitability, split_iterations
 from tusqh.antialias.cells import CellSets
 from tusqh.sampling.io import load_fractions
 from tusqh.tables import write_csv
@@ -17,4 +17,6 @@ with recorded(snakemake) as log:
         name=snakemake.wildcards.model,
     )
     log.info("%d meshes, %d manifold", len(table), table["manifold"].sum())
-    write_csv(Path(snakemake.output.table), table)
+    suitability, iterations = split_iterations(table)
+    write_csv(Path(snakemake.output.table), suitability)
+    write_csv(Path(snakemake.output.iterations), iterations)
