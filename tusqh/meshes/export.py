@@ -60,18 +60,26 @@ def write_vtu(
     with replacing(path) as temporary:
         meshio.vtu.write(temporary, out, binary=True)
         if regions is not None:
-            _add_names(temporary, regions.names)
+            names = enumerate(regions.names, start=1)
+            add_numbers(temporary, {NAME + name: number for number, name in names})
 
 
-def _add_names(path: Path, names: tuple[str, ...]) -> None:
-    """Add the number of each material as field data to a VTU file; meshio writes no field data.
+def add_numbers(path: Path, numbers: Mapping[str, int]) -> None:
+    """Add named numbers as field data to a VTU file; meshio writes no field data.
 
     An array of texts would be natural, but meshio cannot read files that have one.
+
+    Parameters
+    ----------
+    path
+        The file.
+    numbers
+        The numbers by name.
     """
     arrays = "".join(
-        f'<DataArray type="Int64" Name={quoteattr(NAME + name)} NumberOfTuples="1" '
+        f'<DataArray type="Int64" Name={quoteattr(name)} NumberOfTuples="1" '
         f'format="ascii">{number}</DataArray>'
-        for number, name in enumerate(names, start=1)
+        for name, number in numbers.items()
     )
     content = path.read_bytes()
     data = f"<FieldData>{arrays}</FieldData>".encode()
