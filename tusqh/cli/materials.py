@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from tusqh.cli.outputs import Outputs
 from tusqh.cli.show import report_error, show
 from tusqh.errors import ConfigError, TopologyError
 from tusqh.settings.goal import Target
@@ -21,23 +22,17 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Written:
-    """What a command writes and prints.
+class Shown:
+    """What a command prints, and how it ends.
 
     Parameters
     ----------
-    outputs
-        Mesh files to write.
-    results
-        Folder for everything that led to the mesh; None: it is not written.
     as_json
         Print JSON instead of tables.
     is_strict
         End with exit code 3 where there are warnings.
     """
 
-    outputs: Sequence[Path]
-    results: Path | None
     as_json: bool
     is_strict: bool = False
 
@@ -48,7 +43,8 @@ def mesh_and_show(
     settings: Settings,
     *,
     rest: str | None,
-    written: Written,
+    files: Outputs,
+    shown: Shown,
 ) -> None:
     """Mesh several materials, write the mesh and print a row for each of them.
 
@@ -62,8 +58,10 @@ def mesh_and_show(
         The settings of the command line.
     rest
         Name of the material that fills what the others leave; None: that is void.
-    written
-        What to write and print.
+    files
+        What to write.
+    shown
+        What to print.
 
     Raises
     ------
@@ -80,17 +78,14 @@ def mesh_and_show(
     except TopologyError as error:
         report_error(str(error))
         raise typer.Exit(1) from None
-    if written.results is not None:
-        found.save(written.results)
-    for path in written.outputs:
-        found.write(path)
-    if written.as_json:
+    paths = files.write(found)
+    if shown.as_json:
         typer.echo(json.dumps(found.to_dict(), indent=2))
     else:
-        _show(found, [*written.outputs, *filter(None, [written.results])])
+        _show(found, paths)
     if not found.is_as_predicted:
         raise typer.Exit(1)
-    raise typer.Exit(3 if written.is_strict and found.has_warnings else 0)
+    raise typer.Exit(3 if shown.is_strict and found.has_warnings else 0)
 
 
 def read_wish(text: str) -> Material:

@@ -9,40 +9,28 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.table import Table
 
-from tusqh.cli import options
-from tusqh.cli.materials import Written, mesh_and_show
+from tusqh.cli import options, outputs
+from tusqh.cli.materials import Shown, mesh_and_show
 from tusqh.cli.progress import shown
 from tusqh.cli.show import make_console, print_table, report_error
-from tusqh.errors import ConfigError, OutputError, TopologyError
+from tusqh.errors import ConfigError, TopologyError
 from tusqh.settings.model import Settings
 
 if TYPE_CHECKING:
     from tusqh.pipeline.result import Report
 
-Output = Annotated[
-    list[Path] | None,
-    typer.Option(
-        "--output",
-        "-o",
-        help="Mesh file, by suffix: .vtu (ParaView, meshio, MFEM), .mesh (MFEM), .msh (Gmsh), "
-        ".exo (Exodus), .inp (Abaqus); may be given several times. (default GEOMETRY.vtu)",
-    ),
-]
-Results = Annotated[
-    Path | None,
-    typer.Option(
-        "--results",
-        help="Folder for everything that led to the mesh: diagram, certificate, verdict, ...",
-    ),
-]
-
 
 @options.with_settings()
 def mesh(
     geometry: options.Sources,
-    output: Output = None,
-    results: Results = None,
+    output: outputs.Paths = None,
+    results: outputs.Folder = None,
     *,
+    element: outputs.ElementName = None,
+    layer: outputs.Layer = None,
+    name_set: outputs.Names = None,
+    sets: outputs.Tables = None,
+    picture: outputs.Picture = None,
     settings: Settings,
     strict: Annotated[
         bool, typer.Option("--strict", help="End with exit code 3 where there are warnings.")
@@ -83,15 +71,17 @@ def mesh(
 
     * `tusqh mesh map.geojson --domain outside --threshold 0.4 --results out/map`
 
+    * `tusqh mesh part.stl --fit --element C3D20R --set bolt=near:30,20,0 -o part.inp`
+
     * `tusqh mesh ring.stl ball.stl --materials --material ball=1,0,0 -o assembly.exo`
     """
     stem = Path(geometry[0]).stem if len(geometry) == 1 else "materials"
-    outputs = output or [Path(stem + ".vtu")]
-    _require_outputs(geometry, outputs, results)
-    is_several = materials or bool(material) or rest is not None
-    if is_several:
-        written = Written(outputs, results, as_json=as_json, is_strict=strict)
-        mesh_and_show(geometry, material or [], settings, rest=rest, written=written)
+    paths = output or [Path(stem + ".vtu")]
+    written = outputs.Outputs(paths, results, element, layer, name_set or (), sets, picture)
+    written.require(geometry)
+    if materials or bool(material) or rest is not None:
+        shown_as = Shown(as_json=as_json, is_strict=strict)
+        mesh_and_show(geometry, material or [], settings, rest=rest, files=written, shown=shown_as)
         return
     if len(geometry) > 1:
         raise ConfigError(
@@ -108,38 +98,15 @@ def mesh(
     except TopologyError as error:
         report_error(str(error))
         raise typer.Exit(1) from None
-    if results is not None:
-        result.save(results)
-    for path in outputs:
-        result.write(path)
+    paths = written.write(result)
     report = result.report
     if as_json:
         typer.echo(json.dumps(_to_plain(report), indent=2))
     else:
-        _show(report, outputs if results is None else [*outputs, results])
+        _show(report, paths)
     if not (report.is_met and report.is_suitable):
         raise typer.Exit(1)
     raise typer.Exit(3 if strict and report.has_warnings else 0)
-
-
-def _require_outputs(geometries: list[str], outputs: list[Path], results: Path | None) -> None:
-    """Raise before any work when an output cannot be written."""
-    from tusqh.atomic import require_writable
-    from tusqh.meshes.formats import require_format
-
-    for path in outputs:
-        require_format(path)
-        require_writable(path)
-        existing = [Path(geometry) for geometry in geometries if Path(geometry).exists()]
-        if path.exists() and any(path.samefile(geometry) for geometry in existing):
-            raise OutputError(
-                "the mesh would replace the geometry",
-                where=str(path),
-                expected="another name for the mesh",
-                remedy=f"add for instance -o {path.with_stem(path.stem + '_mesh')}",
-            )
-    if results is not None:
-        require_writable(results / "mesh.vtu")
 
 
 def _show(report: Report, written: list[Path]) -> None:

@@ -16,7 +16,7 @@ from tusqh.contacts.predict import predict_betti, predict_solid
 from tusqh.contacts.voxel_fractions import fractions_of_labels
 from tusqh.errors import TopologyError
 from tusqh.grid import IntArray
-from tusqh.meshes.formats import write_mesh
+from tusqh.meshes.formats import Export, write_mesh
 from tusqh.meshes.interfaces import Interface, find_interfaces
 from tusqh.meshes.measure_regions import RegionMeasurement, measure_regions
 from tusqh.meshes.regions import Regions
@@ -68,15 +68,22 @@ class MaterialMesh:
         chosen = np.flatnonzero(self.material == self.names.index(name))
         return self.mesh.take(chosen, name=name)
 
-    def write(self, path: Path) -> None:
+    @property
+    def regions(self) -> Regions:
+        """The material of every element, with the names."""
+        return Regions(self.names, self.material)
+
+    def write(self, path: Path, export: Export | None = None) -> None:
         """Write all elements with their materials, see `tusqh.meshes.formats.write_mesh`.
 
         Parameters
         ----------
         path
             File to write; its suffix names the format.
+        export
+            Elements and names of sets.
         """
-        write_mesh(path, self.mesh, Regions(self.names, self.material))
+        write_mesh(path, self.mesh, self.regions, export)
 
     @cached_property
     def measured(self) -> dict[str, RegionMeasurement]:

@@ -115,6 +115,28 @@ class Element:
         return np.hstack([corners, middle, *([centre] if self.n_nodes == 27 else [])])
 
 
+def require_element(name: str | None) -> None:
+    """Raise an error if no mesh has elements of this name.
+
+    Parameters
+    ----------
+    name
+        A key of `ELEMENTS`, in capitals or small letters; None: linear elements.
+
+    Raises
+    ------
+    ConfigError
+        The name is unknown.
+    """
+    if name is not None and name.lower() not in {key.lower() for key in ELEMENTS}:
+        raise ConfigError(
+            f"the element {name!r} is not known",
+            where="option --element",
+            expected="one of " + ", ".join(ELEMENTS),
+            remedy="change the name",
+        )
+
+
 def order_of(
     n_nodes: int, corners: list[int], edges: list[tuple[int, int]], faces: list[tuple[int, ...]]
 ) -> IntArray:

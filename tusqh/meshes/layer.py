@@ -31,6 +31,13 @@ def extrude(mesh: VolumeMesh, sets: NamedSets, thickness: float) -> tuple[Volume
     thickness
         Thickness of the layer, in model units.
 
+    Returns
+    -------
+    hexes
+        The mesh.
+    sets
+        Its sets.
+
     Raises
     ------
     ConfigError

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -15,15 +16,17 @@ from tusqh.geometry.canonical import write_geometry
 from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.remark import Remark
 from tusqh.hashing import canonical_json
-from tusqh.meshes.formats import write_mesh
+from tusqh.meshes.formats import Export, write_mesh
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.build import Built
 from tusqh.pipeline.describe_reading import lines_of_reading
+from tusqh.pipeline.exports import export_of
 from tusqh.pipeline.fit import WRITTEN, Fit
 from tusqh.pipeline.ingest import describe_geometry
 from tusqh.pipeline.judge import Judgement
 from tusqh.pipeline.persistence import Persistence
 from tusqh.pipeline.select import Choice
+from tusqh.quality.elements import describe_elements
 from tusqh.quality.fit_checks import describe_fit
 from tusqh.quality.verdict import compare_volumes, describe_changes, describe_contacts
 from tusqh.sampling.fractions import VolumeFractions
@@ -105,6 +108,7 @@ class Report:
             f"{facts['grid']} cells, {describe_contacts(facts)}, "
             f"volume {compare_volumes(facts)}",
             **describe_changes(facts),
+            **describe_elements(self.elements),
             **describe_fit(facts),
             **self._placement(),
             "verdict": str(Judgement(self.elements, self.verdict)),
@@ -193,6 +197,10 @@ class Result:
         return self.built.mesh if self.fit is None else self.fit.mesh
 
     @property
+    def regions(self) -> None:
+        """The material of every element: there is one."""
+
+    @property
     def staircase(self) -> VolumeMesh:
         """The mesh before its boundary was fitted."""
         return self.built.mesh
@@ -249,24 +257,58 @@ class Result:
             self.remarks,
         )
 
-    def write(self, path: Path | str) -> None:
-        """Write the mesh in the format of the suffix: .vtu, .mesh, .msh, .exo or .inp.
+    def write(
+        self,
+        path: Path | str,
+        *,
+        element: str | None = None,
+        layer: float | None = None,
+        sets: Sequence[str] = (),
+    ) -> None:
+        """Write the mesh in the format of the suffix, see `tusqh.meshes.formats.write_mesh`.
 
         Parameters
         ----------
         path
             File to write.
+        element
+            Kind of the elements, such as ``"hex20"`` or ``"C3D8I"``; None: linear.
+        layer
+            Thickness of the one layer of hexes that a mesh of quads becomes; None: it stays plane.
+        sets
+            Names for sets of the boundary by a place, such as ``"bolt=near:30,20,0"``.
 
         Raises
         ------
         MeshError
             The suffix names no format.
+        ConfigError
+            The format or the mesh does not have the elements, or a set does not exist.
         """
-        path = Path(path)
-        if path.suffix == ".vtu":
+        path, how = Path(path), self.export(element=element, layer=layer, sets=sets)
+        if path.suffix == ".vtu" and how.is_plain(self.mesh.dim):
             (self.built if self.fit is None else self.fit).write_mesh(path)
         else:
-            write_mesh(path, self.mesh)
+            write_mesh(path, self.mesh, export=how)
+
+    def export(
+        self, *, element: str | None = None, layer: float | None = None, sets: Sequence[str] = ()
+    ) -> Export:
+        """Return how the mesh is written.
+
+        Parameters
+        ----------
+        element, layer, sets
+            See `write`.
+        """
+        return export_of(
+            self.mesh,
+            self.geometry,
+            is_fitted=self.fit is not None and self.mesh is not self.staircase,
+            element=element,
+            layer=layer,
+            sets=sets,
+        )
 
     def save(self, folder: Path | str) -> None:
         """Write all files that the workflow writes up to the verdict, under the same names.

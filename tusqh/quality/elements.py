@@ -87,3 +87,23 @@ def summarise_metrics(metrics: pd.DataFrame) -> pd.DataFrame:
         for name, column in metrics.items()
     ]
     return pd.DataFrame(rows, columns=["metric", "min", "p01", "median", "mean", "max", "unit"])
+
+
+def describe_elements(summary: pd.DataFrame) -> dict[str, str]:
+    """Return a line on the quality and size of the elements; none if VTK did not measure them.
+
+    Parameters
+    ----------
+    summary
+        The table of `summarise_metrics`.
+    """
+    table = summary.set_index("metric")
+    if table.empty:
+        return {}
+    scaled = table.loc["scaled_jacobian"]
+    name = "area" if "area" in table.index else "volume"
+    size = table.loc[name]
+    return {
+        "elements": f"scaled Jacobian at least {scaled['min']:.3f} (1 %: {scaled['p01']:.3f}, "
+        f"median {scaled['median']:.3f}), {name} {size['min']:.3g} to {size['max']:.3g}"
+    }

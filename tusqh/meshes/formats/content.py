@@ -101,7 +101,15 @@ class Content:
         ]
 
     def facets_once(self) -> tuple[IntArray, IntArray]:
-        """Return the nodes of all facets that are in a set, each once, and its set's number."""
+        """Return the nodes of all facets that are in a set, each once, and its set's number.
+
+        Returns
+        -------
+        nodes
+            Corners, then middle nodes, shape (r, k).
+        number
+            Number of the set of each, shape (r,).
+        """
         sets = self.sets.once
         number = np.repeat([found.number for found in sets], [len(f.element) for f in sets])
         return np.concatenate([self.facets_of(f) for f in sets]), number.astype(np.int64)

@@ -87,7 +87,7 @@ def _field(value: float) -> str:
     Examples
     --------
     >>> _field(60.0), _field(-1.2345678901234e-7), _field(0.1)
-    ('             60.0', ' -1.234567890E-07', '             0.1')
+    ('            60.0', '-1.234567890E-07', '             0.1')
     """
     text = repr(value)
     if len(text) > 16 or "." not in text:

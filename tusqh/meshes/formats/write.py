@@ -67,6 +67,16 @@ class Export:
     labels: Sequence[Labels] = ()
     mover: Mover | None = None
 
+    def is_plain(self, dim: int) -> bool:
+        """Return whether files have the elements of the mesh itself.
+
+        Parameters
+        ----------
+        dim
+            Dimension of the mesh.
+        """
+        return self.layer is None and not Element.of(self.element, dim).is_quadratic
+
 
 def write_mesh(
     path: Path, mesh: VolumeMesh, regions: Regions | None = None, export: Export | None = None
@@ -99,8 +109,7 @@ def write_mesh(
     require_format(path)
     _require_elements(mesh)
     how = export or Export()
-    is_plain = how.layer is None and not Element.of(how.element, mesh.dim).is_quadratic
-    if path.suffix == ".vtu" and is_plain:
+    if path.suffix == ".vtu" and how.is_plain(mesh.dim):
         write_vtu(path, mesh, regions=regions)
         return
     content = make_content(mesh, regions, how)
@@ -121,6 +130,11 @@ def write_beside(
         The mesh file: ``part.vtu`` has ``part_sets.csv`` and ``part_boundary.vtu`` beside it.
     mesh, regions, export
         See `write_mesh`.
+
+    Returns
+    -------
+    list of Path
+        The written files.
     """
     _require_elements(mesh)
     content = make_content(mesh, regions, export or Export())
@@ -151,24 +165,18 @@ def make_content(mesh: VolumeMesh, regions: Regions | None, export: Export) -> C
     return Content(mesh, sets, element, make_nodes(mesh, element, mover))
 
 
-def require_format(path: Path, export: Export | None = None, dim: int | None = None) -> None:
-    """Raise an error if a file cannot be written because of its format.
+def require_format(path: Path) -> None:
+    """Raise a `MeshError` if the suffix of a file names no format of `write_mesh`.
 
     Parameters
     ----------
     path
         File to write; only its suffix is checked.
-    export
-        Elements that are asked for.
-    dim
-        Dimension of the mesh; None: it is not known yet.
 
     Raises
     ------
     MeshError
         The suffix names no format.
-    ConfigError
-        The format has no such elements.
     """
     if path.suffix not in SUFFIXES:
         raise MeshError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -19,9 +20,11 @@ from tusqh.files import path_of
 from tusqh.geometry.remark import Remark
 from tusqh.grid import FloatArray
 from tusqh.hashing import canonical_json
+from tusqh.meshes.formats import Export
 from tusqh.meshes.measure_regions import RegionMeasurement
 from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.pipeline.exports import export_of
 from tusqh.pipeline.judge import Judgement
 from tusqh.pipeline.materials.certificate import make_certificate
 from tusqh.pipeline.materials.judge import (
@@ -211,20 +214,46 @@ class MaterialsResult:
             "remarks": [str(remark) for remark in self.remarks],
         }
 
-    def write(self, path: Path | str) -> None:
-        """Write all elements with their materials: .vtu, .mesh, .msh, .exo or .inp.
+    @property
+    def regions(self) -> Regions:
+        """The material of every element."""
+        return self.built.regions
+
+    def export(
+        self, *, element: str | None = None, layer: float | None = None, sets: Sequence[str] = ()
+    ) -> Export:
+        """Return how the mesh is written.
+
+        Parameters
+        ----------
+        element, layer, sets
+            See `tusqh.pipeline.exports.export_of`.
+        """
+        return export_of(self.mesh, element=element, layer=layer, sets=sets)
+
+    def write(
+        self,
+        path: Path | str,
+        *,
+        element: str | None = None,
+        layer: float | None = None,
+        sets: Sequence[str] = (),
+    ) -> None:
+        """Write all elements with their materials, see `tusqh.meshes.formats.write_mesh`.
 
         Parameters
         ----------
         path
             File to write; its suffix names the format.
+        element, layer, sets
+            See `tusqh.pipeline.exports.export_of`.
 
         Raises
         ------
         MeshError
             The suffix names no format.
         """
-        self.built.write(Path(path))
+        self.built.write(Path(path), self.export(element=element, layer=layer, sets=sets))
 
     def save(self, folder: Path | str) -> None:
         """Write mesh, geometry, fractions, all tables and the certificate into a folder.
