@@ -7,10 +7,10 @@ import trimesh
 import tusqh
 from tusqh.fitting import Target, fit_mesh
 from tusqh.fitting.features import find_features
-from tusqh.fitting.nearest_piece import find_nearest, make_tree
 from tusqh.fitting.patches import find_patches
 from tusqh.fitting.skin import Skin
 from tusqh.fitting.target import to_cells
+from tusqh.sampling.nearest_triangle import find_nearest, make_tree
 
 
 def turned_box(seed):

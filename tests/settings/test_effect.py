@@ -24,7 +24,7 @@ VALUES = {
     **{"volume": True, "bridges": "none", "volume_tolerance": "0.1"},
     **{"voxels": "6,6,6", "voxel_order": "zyx"},
     **{"scope": "local", "base": "0.25", "open": ["0"], "cut": ["1"], "fill": ["hole@0,1"]},
-    **{"checks": True, "fit": True},
+    **{"checks": True, "fit": True, "inside": "union", "seal": "0.5", "thickness": "1 cell"},
     **{
         prefix + name: value
         for prefix in ("", "holes_", "voids_")
@@ -34,8 +34,17 @@ VALUES = {
         )
     },
 }
+#: What an option cannot be given without.
+NEEDED = {"seal": {"inside": "envelope"}, "thickness": {"inside": "shell"}}
 IMAGES = {"voxel_size", "empty", "full", "labels", "channel", "voxels", "voxel_order"}
-SAMPLING = {"samples", "rule", "orientation", "sampler", "tolerance"}
+SAMPLING = {
+    "samples",
+    "rule",
+    "orientation",
+    "sampler",
+    "tolerance",
+    *("inside", "seal", "thickness"),
+}
 HOLES, VOIDS = ({name for name in VALUES if name.startswith(p)} for p in ("holes_", "voids_"))
 LOCAL = {"scope", "base"}  # They need a target or a persistence.
 WITHOUT_EFFECT = {
@@ -62,7 +71,7 @@ def geometry(kind):
 
 
 def given(option):
-    return from_options(Settings, {option: VALUES[option]})
+    return from_options(Settings, {option: VALUES[option], **NEEDED.get(option, {})})
 
 
 def test_every_option_is_tried():

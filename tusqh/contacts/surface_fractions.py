@@ -18,8 +18,9 @@ from tusqh.errors import SamplingError
 from tusqh.geometry.kinds import Surface
 from tusqh.grid import BackgroundGrid, FloatArray, IntArray
 from tusqh.sampling.doubled_grid import Multiples, average_coverage, average_half_blocks
-from tusqh.sampling.field import WindingField, make_field
+from tusqh.sampling.field import WindingField
 from tusqh.sampling.fractions import SAMPLES_AT_A_TIME
+from tusqh.sampling.inside import field_of, without_directions
 from tusqh.sampling.lattice import Box, Lattice
 from tusqh.sampling.orient import orient
 from tusqh.settings.sampling import Sampling
@@ -115,11 +116,10 @@ def fractions_of_surfaces(
     sampling = sampling or Sampling()
     lattice = Lattice.over_grid(grid, sampling.samples, window)
     fields = [
-        make_field(orient(s, sampling.orientation).geometry, sampling.sampler,
-                   tolerance=sampling.tolerance)
+        field_of(orient(s, sampling.orientation).geometry, sampling, grid.cell_size)
         for s in surfaces.values()
-    ]  # fmt: skip
-    claims = _claim_samples(fields, lattice, sampling)
+    ]
+    claims = _claim_samples(fields, lattice, without_directions(sampling))
     names = list(surfaces)
     kept = [k for k, n in enumerate(names) if claims.alone[k] > 0 or n not in optional]
     if kept and len(kept) < len(names):

@@ -6,11 +6,11 @@ import numpy as np
 import pandas as pd
 
 from tusqh.fitting.fitted import DISTANCE_COLUMNS
-from tusqh.fitting.nearest_piece import find_nearest, make_tree
 from tusqh.fitting.skin import unit
 from tusqh.fitting.target import Target, to_cells
 from tusqh.grid import BoolArray, FloatArray
 from tusqh.meshes.element_mesh import ElementMesh
+from tusqh.sampling.nearest_triangle import find_nearest, make_tree
 
 #: Facets this near a plane lie in it, in cells.
 _LEVEL = 1e-6

@@ -29,7 +29,7 @@ from tusqh.settings.grid import Place
 from tusqh.settings.materials import Materials
 from tusqh.settings.model import Settings
 from tusqh.settings.policy import BridgeMode
-from tusqh.settings.sampling import Domain, Orientation, Rule, Sampler
+from tusqh.settings.sampling import Domain, Inside, Orientation, Rule, Sampler
 
 __all__ = ["mesh"]
 
@@ -54,6 +54,9 @@ def mesh(
     window: Sequence[Sequence[float]] | None = None,
     domain: Domain = "inside",
     samples: int = 4,
+    inside: Inside = "winding",
+    seal: float | str | None = None,
+    thickness: float | str | None = None,
     rule: Rule = "average",
     orientation: Orientation = "auto",
     sampler: Sampler = "crossings",
@@ -112,6 +115,14 @@ def mesh(
         ``"inside"`` meshes the interior of the geometry, ``"outside"`` the rest of the window.
     samples
         Number of samples along each side of a cell, even.
+    inside
+        ``"winding"``: inside is where the surface winds; ``"envelope"``: what a ball cannot reach
+        from outside; ``"shell"``: what is near the surface; ``"union"``: winding and shell.
+    seal
+        Diameter of the ball of the envelope, a number in model units or text such as ``"2 mm"`` or
+        ``"0.5 cells"``, which is the default.
+    thickness
+        Thickness of the shell, likewise; one cell by default.
     rule
         ``"clamped"`` clips samples to [0, 1], which is right for overlapping parts.
     orientation

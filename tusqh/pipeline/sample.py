@@ -8,6 +8,8 @@ from tusqh.geometry.image import Image
 from tusqh.geometry.kinds import Geometry
 from tusqh.progress import Progress, log_progress
 from tusqh.sampling.fractions import VolumeFractions, sample_fractions
+from tusqh.sampling.inside import field_of
+from tusqh.sampling.inside_lengths import box_of_inside
 from tusqh.sampling.layout import lay_grid
 from tusqh.sampling.memory import require_memory
 from tusqh.sampling.orient import orient
@@ -97,11 +99,20 @@ def sample_with_reference(
         stays = Placement((0, 0, 0), fractions.samples, reason="its cells are whole voxels")
         return replace(fractions, placement=stays if is_auto else None), None
     oriented = orient(geometry, sampling.orientation).geometry
-    background_grid = lay_grid(geometry, box, cells=grid.cells, cell_size=grid.cell_size)
+    covered = box or box_of_inside(geometry, geometry.bounding_box(), sampling, grid)
+    background_grid = lay_grid(geometry, covered, cells=grid.cells, cell_size=grid.cell_size)
     of_geometry = signed_volume(oriented) if sampling.domain == "inside" else None
+    made = None
+    if sampling.inside != "winding":  # One envelope is enough for all that follows.
+        made, of_geometry = field_of(oriented, sampling, background_grid.cell_size), None
     require_memory(background_grid, "meshing", name=geometry.name, volume=of_geometry)
     fractions = sample_fractions(
-        oriented, background_grid, sampling=sampling, window=box, progress=progress("samples")
+        oriented,
+        background_grid,
+        sampling=sampling,
+        window=box,
+        field=made,
+        progress=progress("samples"),
     )
     if not is_auto:
         return fractions, None
@@ -114,10 +125,17 @@ def sample_with_reference(
         sampling=sampling,
         window=box,
         threshold=threshold or BASE_THRESHOLD,
+        field=made,
+        box=covered,
     )
     if placement.is_moved:
         fractions = sample_fractions(
-            oriented, placed, sampling=sampling, window=box, progress=progress("samples")
+            oriented,
+            placed,
+            sampling=sampling,
+            window=box,
+            field=made,
+            progress=progress("samples"),
         )
     of_grid = None if placement.is_moved else reference
     return replace(fractions, placement=placement), of_grid

@@ -31,10 +31,11 @@ from tusqh.sampling.doubled_grid import (
     average_coverage,
     average_half_blocks,
 )
-from tusqh.sampling.field import WindingField, make_field
+from tusqh.sampling.field import WindingField
+from tusqh.sampling.inside import field_of, without_directions
 from tusqh.sampling.lattice import Box, Lattice
 from tusqh.sampling.memory import require_memory
-from tusqh.sampling.nothing_inside import nothing_inside
+from tusqh.sampling.nothing_inside import LEAST_MADE, nothing_inside
 from tusqh.sampling.placement import Placement
 from tusqh.settings.sampling import Domain, Orientation, Sampling
 
@@ -139,6 +140,7 @@ def sample_fractions(
     *,
     sampling: Sampling | None = None,
     window: Box | None = None,
+    field: WindingField | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> VolumeFractions:
     """Return the volume fractions of an outline or a soup on a grid.
@@ -153,6 +155,8 @@ def sample_fractions(
         How the fractions are sampled; None: with the defaults.
     window
         Box, in model units; samples outside it count as void.
+    field
+        What is averaged; None: that of `tusqh.sampling.inside.field_of`.
     progress
         Called with (samples done, samples in all).
 
@@ -180,22 +184,24 @@ def sample_fractions(
     _check_overlap(geometry, grid, window)
     require_memory(grid, "sampling", name=geometry.name)
     lattice = Lattice.over_grid(grid, samples, window)
-    field = make_field(geometry, sampling.sampler, tolerance=sampling.tolerance)
+    field = field or field_of(geometry, sampling, grid.cell_size)
+    orientation = without_directions(sampling).orientation
     tally = _Tally(float(lattice.half.prod()))
     if sampling.rule == "average":
         multiples = average_half_blocks(_slabs(field, lattice, tally, progress), lattice)
-        sign = tally.sign(sampling.orientation)
+        sign = tally.sign(orientation)
         np.multiply(multiples, sign, out=multiples)
         if domain == "outside":
             np.subtract(average_coverage(lattice), multiples, out=multiples)
     else:
         for _ in _slabs(field, lattice, tally, None):  # The sign comes first: clipping needs it.
             pass
-        sign = tally.sign(sampling.orientation)
+        sign = tally.sign(orientation)
         clipped = _clipped_slabs(field, lattice, sign, domain, progress)
         multiples = average_half_blocks(clipped, lattice)
-    if not tally.is_nonzero:
-        raise nothing_inside(geometry, grid.cell_size / samples)
+    is_made = sampling.inside != "winding"
+    if not tally.is_nonzero or (is_made and (multiples < LEAST_MADE).all()):
+        raise nothing_inside(geometry, sampling, grid.cell_size)
     fractions = VolumeFractions(grid=grid, samples=samples, multiples=multiples)
     if not (multiples[doubled.cells(grid.dim)] > 0).any():
         raise SamplingError(

@@ -1,4 +1,4 @@
-"""The error for a geometry in which no sample has a winding number."""
+"""The error for a geometry in which no sample lies inside."""
 
 from __future__ import annotations
 
@@ -8,19 +8,29 @@ from tusqh.errors import SamplingError
 from tusqh.geometry.kinds import Surface
 from tusqh.geometry.outline import Outline
 from tusqh.grid import FloatArray
+from tusqh.sampling.doubled_grid import RESOLUTION
+from tusqh.sampling.inside_lengths import seal_of
+from tusqh.settings.sampling import Sampling
+
+#: If no fraction of an envelope is as large, only the roundings of its edges are left.
+LEAST_MADE = round(1 / 8 / RESOLUTION)
 
 
-def nothing_inside(geometry: Surface, spacing: float) -> SamplingError:
-    """Return the error that says why the winding number is zero at every sample.
+def nothing_inside(geometry: Surface, sampling: Sampling, cell_size: float) -> SamplingError:
+    """Return the error that says why no sample lies inside.
 
     Parameters
     ----------
     geometry
         The geometry.
-    spacing
-        Distance of the samples, in model units.
+    sampling
+        How it was sampled.
+    cell_size
+        Edge length of a cell, in model units.
     """
-    sides = _least_sides(geometry)
+    if sampling.inside != "winding":
+        return _nothing_made(geometry, sampling, cell_size)
+    sides, spacing = _least_sides(geometry), cell_size / sampling.samples
     if len(sides) and sides.max() < spacing:
         parts = "ring" if isinstance(geometry, Outline) else "part"
         largest = f"{len(sides):,} {parts}s, the largest {sides.max():.3g} across"
@@ -37,8 +47,28 @@ def nothing_inside(geometry: Surface, spacing: float) -> SamplingError:
         "the winding number is zero everywhere, so the geometry has no inside",
         where=geometry.name,
         expected="a geometry that encloses something, with each boundary traversed once",
-        remedy="remove one of the two copies if every boundary is traversed twice in opposite "
-        "directions (double-sided sheets)",
+        remedy="use `--inside envelope` if sheets close a space, double-sided or with gaps "
+        f"narrower than half a cell ({cell_size / 2:.3g}); or `--inside shell --thickness "
+        f"{cell_size:.3g}`, which makes the sheets one cell thick",
+    )
+
+
+def _nothing_made(geometry: Surface, sampling: Sampling, cell_size: float) -> SamplingError:
+    """Return the error for an envelope or a shell that holds nearly nothing."""
+    if sampling.inside != "envelope":
+        return SamplingError(
+            f"nearly no sample lies in the {sampling.inside}",
+            where=geometry.name,
+            expected="a grid or window that holds a part of the surface",
+            remedy="correct `window`, or use more `--samples`",
+        )
+    seal = seal_of(geometry, sampling, cell_size)
+    return SamplingError(
+        f"a ball {seal:.3g} across reaches all places, so the envelope is empty",
+        where=geometry.name,
+        expected="a surface with openings narrower than the ball (`seal`)",
+        remedy=f"use a larger ball, such as `--seal {2 * seal:.3g}`, or make solids of sheets with "
+        f"`--inside shell --thickness {cell_size:.3g}`",
     )
 
 

@@ -15,10 +15,10 @@ import numpy as np
 
 from tusqh.geometry.kinds import Surface
 from tusqh.grid import BackgroundGrid, FloatArray, IntArray
-from tusqh.sampling.closing import close
 from tusqh.sampling.doubled_grid import RESOLUTION
-from tusqh.sampling.field import CrossingField
+from tusqh.sampling.field import WindingField
 from tusqh.sampling.fractions import SAMPLES_AT_A_TIME, VolumeFractions
+from tusqh.sampling.inside import field_of, without_directions
 from tusqh.sampling.lattice import Box, Lattice
 from tusqh.sampling.placement import Placement
 from tusqh.settings.sampling import Sampling
@@ -61,6 +61,8 @@ def place_grid(
     sampling: Sampling,
     window: Box | None = None,
     threshold: float = 0.5,
+    field: WindingField | None = None,
+    box: Box | None = None,
 ) -> tuple[BackgroundGrid, Placement]:
     """Return the placement of the grid whose kept cells best match the volume of the geometry.
 
@@ -85,6 +87,10 @@ def place_grid(
         Box to mesh in, in model units; None: the bounding box.
     threshold
         Fractions of at least this are kept.
+    field
+        What is averaged; None: that of `tusqh.sampling.inside.field_of`.
+    box
+        What the grid must cover, in model units; None: the window or the bounding box.
 
     Returns
     -------
@@ -103,7 +109,7 @@ def place_grid(
     error = float(np.abs(kept * grid.cell_size**grid.dim / volume - 1).max())
     if error <= _GOOD:
         return grid, replace(stays, error=error, corner_error=error)
-    counts = _count(geometry, grid, sampling, window, threshold)
+    counts = _count(geometry, grid, sampling, window, threshold, field)
     errors = np.abs(counts.kept * grid.cell_size**grid.dim / volume - 1)
     robust = errors.max(axis=0)
     corner = chosen = (0, 0, 0)
@@ -124,7 +130,7 @@ def place_grid(
         error=float(robust[chosen]),
         corner_error=float(robust[corner]),
     )
-    return move_grid(grid, window or geometry.bounding_box(), placement), placement
+    return move_grid(grid, box or window or geometry.bounding_box(), placement), placement
 
 
 def move_grid(grid: BackgroundGrid, box: Box, placement: Placement) -> BackgroundGrid:
@@ -173,7 +179,7 @@ def _best(may: FloatArray, robust: FloatArray, counts: _Counts) -> tuple[int, in
     of = tuple(places.T)
     keys = (
         (places > 0).sum(axis=1),
-        np.rint(100 * counts.near[of] / counts.kept[1][of]),
+        np.rint(100 * counts.near[of] / np.maximum(counts.kept[1][of], 1)),
         np.rint(robust[of] / _EQUAL),
     )
     a, b, c = places[np.lexsort(keys)[0]].tolist()
@@ -186,11 +192,13 @@ def _count(
     sampling: Sampling,
     window: Box | None,
     threshold: float,
+    field: WindingField | None = None,
 ) -> _Counts:
     """Return the counts of the cells that every placement of a grid keeps."""
-    field = CrossingField(*close(geometry), max(sampling.tolerance, 1e-4))
+    coarse = replace(sampling, tolerance=max(sampling.tolerance, 1e-4), sampler="crossings")
+    field = field or field_of(geometry, coarse, grid.cell_size)
     lattice = Lattice.over_grid(grid.padded(), sampling.samples, window)
-    sign = _sign(field, lattice, sampling)
+    sign = _sign(field, lattice, without_directions(sampling))
     single = lattice.of_samples()
     shape = tuple(1 if n == 1 else sampling.samples for n in single.n_blocks.tolist())
     counts = _Counts(
@@ -216,7 +224,7 @@ def _levels(threshold: float, n_samples: int) -> FloatArray:
     return threshold + np.array([-least, -RESOLUTION, least])
 
 
-def _sign(field: CrossingField, lattice: Lattice, sampling: Sampling) -> int:
+def _sign(field: WindingField, lattice: Lattice, sampling: Sampling) -> int:
     """Return -1 if the winding number must be negated, otherwise 1."""
     if sampling.orientation != "auto":
         return -1 if sampling.orientation == "flip" else 1

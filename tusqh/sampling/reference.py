@@ -45,6 +45,9 @@ class Reference:
         Whether the material lies outside the geometry.
     window
         Box, in model units; everything outside it counts as void.
+    is_made
+        Whether the inside was made of an envelope or a shell, so that the directions and the gaps
+        of the geometry do not matter.
     """
 
     volume: float
@@ -53,6 +56,7 @@ class Reference:
     geometry: Geometry | None = field(default=None, repr=False, compare=False)
     is_outside: bool = field(default=False, repr=False)
     window: Box | None = field(default=None, repr=False)
+    is_made: bool = field(default=False, repr=False)
 
 
 def find_reference(
@@ -91,6 +95,8 @@ def find_reference(
     sampling = sampling or Sampling()
     if isinstance(geometry, Image):
         return Reference(max(fractions.volume(), 0.0), "the grey values of the image")
+    if sampling.inside != "winding":
+        return _of_made(fractions, sampling)
     geometry = orient(geometry, sampling.orientation).geometry
     grid = fractions.grid
     lattice = _lattice(grid, fractions.samples, window)
@@ -137,6 +143,17 @@ def signed_volume(geometry: Surface) -> float:
         return float((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum() / 2)
     a, b, c = np.moveaxis(points[geometry.triangles], 1, 0)
     return float(np.einsum("mi,mi->m", a, np.cross(b, c)).sum() / 6)
+
+
+def _of_made(fractions: VolumeFractions, sampling: Sampling) -> Reference:
+    """Return the volume of samples in a made inside, or outside it."""
+    what = "area" if fractions.grid.dim == 2 else "volume"
+    names = {"union": "solids and shells"}
+    name = names.get(sampling.inside, f"the {sampling.inside}")
+    beyond = "outside " if sampling.domain == "outside" else ""
+    return Reference(
+        max(fractions.volume(), 0.0), f"the {what} {beyond or 'of '}{name}", is_made=True
+    )
 
 
 @dataclass(frozen=True)

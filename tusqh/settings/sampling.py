@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 from tusqh.settings.field import setting
+from tusqh.settings.length_text import FORM, is_length
 from tusqh.settings.section import Section
+from tusqh.settings.validate import Path
 
 Domain = Literal["inside", "outside"]
 Rule = Literal["average", "clamped"]
 Orientation = Literal["auto", "as-is", "flip"]
 Sampler = Literal["crossings", "libigl"]
+Inside = Literal["winding", "envelope", "shell", "union"]
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,31 @@ class Sampling(Section):
         "Mesh what the geometry encloses (`inside`), or what it leaves out of the window "
         "(`outside`).",
         default="inside",
+    )
+    inside: Inside = setting(
+        "What is inside: where the surface winds (`winding`); what a ball cannot reach from "
+        "outside (`envelope`), for doubled sheets, gaps and inner clutter; what is near the "
+        "surface (`shell`), for open sheets; or `winding` and `shell` together (`union`).",
+        default="winding",
+        kinds=("outline", "surface"),
+    )
+    seal: float | str | None = setting(
+        f"With `inside: envelope`, the diameter of the ball, {FORM}. Gaps narrower than it are "
+        "closed.",
+        default=None,
+        otherwise="half a cell",
+        above=0,
+        metavar="LENGTH",
+        kinds=("outline", "surface"),
+    )
+    thickness: float | str | None = setting(
+        f"With `inside: shell` or `union`, the thickness of the shell, {FORM}; the surface is in "
+        "its middle.",
+        default=None,
+        otherwise="one cell",
+        above=0,
+        metavar="LENGTH",
+        kinds=("outline", "surface"),
     )
     rule: Rule = setting(
         "Average the raw winding numbers of a cell (`average`), or clip each sample to [0, 1] "
@@ -63,3 +92,20 @@ class Sampling(Section):
         kinds=("outline", "surface"),
         needs={"sampler": "crossings"},
     )
+
+    def find_contradictions(self) -> Iterator[tuple[Path, str, str]]:
+        """Yield lengths that are none, and those that `inside` does not use."""
+        uses = {"seal": ("envelope",), "thickness": ("shell", "union")}
+        for name, kinds in uses.items():
+            value = getattr(self, name)
+            if value is None:
+                continue
+            if isinstance(value, str) and not is_length(value):
+                yield (name,), f"found {value!r}", f"a positive length, {FORM}"
+            elif self.inside not in kinds:
+                needed = " or ".join(f"`inside: {kind}`" for kind in kinds)
+                yield (
+                    (name,),
+                    f"found {value!r} with `inside: {self.inside}`",
+                    f"{needed} beside it",
+                )

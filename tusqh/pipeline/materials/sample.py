@@ -15,6 +15,7 @@ from tusqh.geometry.image import Image
 from tusqh.geometry.kinds import Surface
 from tusqh.grid import FloatArray
 from tusqh.pipeline.materials.gather import Gathered, require_known
+from tusqh.sampling.inside_lengths import box_of_inside
 from tusqh.sampling.lattice import Box
 from tusqh.sampling.layout import lay_grid
 from tusqh.sampling.memory import require_memory
@@ -75,7 +76,11 @@ def sample_materials(gathered: Gathered, settings: Settings, *, rest: str | None
     if gathered.image is not None:
         return _sample_labels(gathered.image, gathered, settings, rest)
     surfaces = list(gathered.surfaces.values())
-    box = _box_around(surfaces) if settings.window is None else settings.window.box
+    if settings.window is None:
+        box = _box_around(surfaces)
+        box = box_of_inside(surfaces[0], box, settings.sampling, settings.grid)
+    else:
+        box = settings.window.box
     grid = lay_grid(surfaces[0], box, cells=settings.grid.cells, cell_size=settings.grid.cell_size)
     require_memory(grid, "meshing of several materials", name="materials")
     window = None if settings.window is None else box

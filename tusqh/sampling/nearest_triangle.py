@@ -48,9 +48,9 @@ class NearestPoints(NamedTuple):
     points
         The nearest point, shape (n, 3).
     triangle
-        The triangle on which it lies, shape (n,).
+        The triangle on which it lies, shape (n,); -1 if there is none.
     distance
-        Distance to it, shape (n,); infinite without triangles.
+        Distance to it, shape (n,); infinite if there is none.
     """
 
     points: FloatArray
@@ -74,7 +74,7 @@ def make_tree(corners: FloatArray) -> BoxTree:
     return BoxTree(corners, order, first, last, child, lower, upper)
 
 
-def find_nearest(tree: BoxTree, points: FloatArray) -> NearestPoints:
+def find_nearest(tree: BoxTree, points: FloatArray, *, within: float = np.inf) -> NearestPoints:
     """Return the nearest point on any triangle of a tree for every point.
 
     Parameters
@@ -83,6 +83,9 @@ def find_nearest(tree: BoxTree, points: FloatArray) -> NearestPoints:
         The triangles.
     points
         The points, shape (n, 3).
+    within
+        Triangles this far away or farther are not looked for; the distance is then infinite and the
+        triangle -1.
 
     Examples
     --------
@@ -92,10 +95,11 @@ def find_nearest(tree: BoxTree, points: FloatArray) -> NearestPoints:
     """
     found = np.zeros((len(points), 3))
     which = np.full(len(points), -1, dtype=np.int64)
-    square = np.full(len(points), np.inf)
+    square = np.full(len(points), within * within)
     if len(tree.corners):
         _search(tree, np.ascontiguousarray(points, dtype=np.float64), found, which, square)
-        which = tree.order[which]
+    square[which < 0] = np.inf
+    which[which >= 0] = tree.order[which[which >= 0]]
     return NearestPoints(found, which, np.sqrt(square))
 
 
@@ -174,13 +178,16 @@ def _nearest_on_triangle(corner, p, found, other):  # type: ignore[no-untyped-de
 
 @numba.njit(cache=True, parallel=True)
 def _search(tree, points, found, which, square):  # type: ignore[no-untyped-def]
-    """Fill in the nearest point, its triangle and the square of the distance for every point."""
+    """Fill in the nearest point, its triangle and the square of the distance for every point.
+
+    Only triangles nearer than the given square of a distance are found.
+    """
     for q in numba.prange(len(points)):
         p = points[q]
         stack, away = np.empty(128, dtype=np.int64), np.empty(128)
         at, other = np.empty(3), np.empty(3)
         stack[0], away[0] = 0, 0.0
-        top, best = 1, np.inf
+        top, best = 1, square[q]
         while top > 0:
             top -= 1
             if away[top] >= best:
