@@ -13,7 +13,7 @@ from tusqh.geometry.kinds import Geometry
 from tusqh.grid import BoolArray
 from tusqh.sampling.lattice import Box
 from tusqh.settings.goal import Goal, Scope, Target
-from tusqh.settings.sampling import Orientation
+from tusqh.settings.sampling import Sampling
 from tusqh.threshold.choose import choose_threshold
 from tusqh.threshold.goals import matches
 from tusqh.threshold.plateaus import BETTI, Plateaus, merge_intervals
@@ -35,7 +35,7 @@ def compare_scopes(
     geometry: Geometry,
     *,
     wanted: Target | None = None,
-    orientation: Orientation = "auto",
+    sampling: Sampling | None = None,
     window: Box | None = None,
     name: str,
 ) -> pd.DataFrame:
@@ -49,7 +49,7 @@ def compare_scopes(
         The geometry, for the distances.
     wanted
         The target of the model's configuration, if it has one.
-    orientation, window
+    sampling, window
         How the geometry was sampled, and the box to mesh in.
     name
         The model.
@@ -68,7 +68,7 @@ def compare_scopes(
     """
     fractions = plateaus.cell_sets.fractions
     base = plateaus.cell_sets.at(BASE)
-    surface = target_of(geometry, fractions, orientation=orientation, sides=window)
+    surface = target_of(geometry, fractions, sampling=sampling, sides=window)
     rows = []
     for target in pick_targets(plateaus.table, base.predicted, wanted):
         for scope in SCOPES:

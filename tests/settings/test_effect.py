@@ -37,14 +37,8 @@ VALUES = {
 #: What an option cannot be given without.
 NEEDED = {"seal": {"inside": "envelope"}, "thickness": {"inside": "shell"}}
 IMAGES = {"voxel_size", "empty", "full", "labels", "channel", "voxels", "voxel_order"}
-SAMPLING = {
-    "samples",
-    "rule",
-    "orientation",
-    "sampler",
-    "tolerance",
-    *("inside", "seal", "thickness"),
-}
+SAMPLING = {"samples", "rule", "orientation", "sampler", "tolerance"}
+SAMPLING |= {"inside", "seal", "thickness"}
 HOLES, VOIDS = ({name for name in VALUES if name.startswith(p)} for p in ("holes_", "voids_"))
 LOCAL = {"scope", "base"}  # They need a target or a persistence.
 WITHOUT_EFFECT = {

@@ -222,7 +222,7 @@ def find_target(
     return target_of(
         original.geometry,
         fractions,
-        orientation=original.sampling.orientation,
+        sampling=original.sampling,
         sides=sides,
         changed=_kept_cells(mesh, grid) != (fractions.cells >= base),
     )

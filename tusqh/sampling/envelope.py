@@ -27,8 +27,8 @@ from tusqh.sampling.offset_scan import Marks, mark_near
 GROWTH = 2.0
 #: Samples that are looked through at a time.
 _AT_A_TIME = 16_000_000
-#: Relative difference of a distance that is rounding.
-_ROUNDING = 1e-6
+#: Relative difference of distances that edges between facets of a curved surface make.
+_CURVED = 0.02
 
 
 @dataclass(frozen=True)
@@ -68,10 +68,10 @@ class Envelope:
         """
         centres = (points - self.origin) / self.step + self.radius * normals
         distance = find_nearest(self.tree, centres, within=2 * self.radius).distance
-        is_free = distance >= self.radius * (1 - _ROUNDING)
+        is_free = distance >= self.radius * (1 - _CURVED)
         is_reached = np.zeros(len(points), dtype=np.bool_)
         last = np.array(self.marks.shape) - 1
-        for corner in np.ndindex(2, 2, 2):
+        for corner in np.ndindex(2, min(2, len(self.marks[0])), 2):
             place = np.floor(centres).astype(np.int64) + corner
             is_in = ((place >= 0) & (place <= last)).all(axis=1)
             found = self.marks[tuple(np.clip(place, 0, last).T)] & REACHED > 0

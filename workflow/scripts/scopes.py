@@ -33,7 +33,7 @@ with recorded(snakemake) as log:
         plateaus,
         geometry,
         wanted=Goal.from_dict(params.goal).target,
-        orientation=sampling.orientation,
+        sampling=sampling,
         window=box,
         name=snakemake.wildcards.model,
     )

@@ -65,7 +65,7 @@ def target_of_outline(
         (to_cells(cap.corners[..., [0, 2]], grid), cap.multiplicity),
         fractions,
     )
-    pieces = _cut(to_cells(outline.points, grid)[outline.segments], box)
+    pieces = cut_segments(to_cells(outline.points, grid)[outline.segments], box)
     normals, centres = _normals(pieces), pieces.mean(axis=1)
     before, behind = (inside(centres + s * _BESIDE * normals) for s in (1, -1))
     is_trusted = before != behind
@@ -78,7 +78,7 @@ def target_of_outline(
     reaches &= inside(middle + _BESIDE * normals_of_sides)
     pieces = np.concatenate([pieces[is_trusted], on_sides[reaches]])
     normals = np.concatenate([normals, normals_of_sides[reaches]])
-    points, of_samples, sample = _pick_samples(pieces, normals)
+    points, of_samples, sample = pick_planar_samples(pieces, normals)
     return Target(
         grid=grid,
         level=fractions.values,
@@ -141,8 +141,16 @@ class _Inside:
         return np.asarray(~is_within if self.is_outside else is_within)
 
 
-def _cut(ends: FloatArray, box: FloatArray) -> FloatArray:
-    """Return the pieces of segments inside a box, each at most `SIZE` long, shape (p, 2, 2)."""
+def cut_segments(ends: FloatArray, box: FloatArray) -> FloatArray:
+    """Return the pieces of segments inside a box, each at most `SIZE` long, shape (p, 2, 2).
+
+    Parameters
+    ----------
+    ends
+        Ends of the segments, in cells, shape (m, 2, 2).
+    box
+        Lowest and highest corner, in cells, shape (2, 2).
+    """
     start, along = ends[:, 0], ends[:, 1] - ends[:, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
         at_low, at_high = (box[0] - start) / along, (box[1] - start) / along
@@ -180,20 +188,40 @@ def target_of_level(fractions: VolumeFractions) -> Target:
     ((24, 2, 2), 1.0)
     """
     box = np.array([np.zeros(2), np.array(fractions.grid.shape, dtype=np.float64)])
-    pieces, normals = _sides(box)
-    cell = np.floor(pieces.mean(axis=1) - 0.5 * normals).astype(np.int64)
-    reaches = fractions.cells[cell[:, 0], cell[:, 1]] >= 0.5
-    points, of_samples, sample = _pick_samples(pieces[reaches], normals[reaches])
+    pieces = sides_of_material(box, fractions)
+    points, of_samples, sample = pick_planar_samples(pieces, _normals(pieces))
     return Target(
         grid=fractions.grid,
         level=fractions.values,
         points=points,
         normals=of_samples,
-        pieces=pieces[reaches],
+        pieces=pieces,
         sample=sample,
         trusted=1.0,
         sides=box,
     )
+
+
+def sides_of_material(box: FloatArray, fractions: VolumeFractions) -> FloatArray:
+    """Return pieces of the sides of a box beside cells that are at least half full.
+
+    Their material is on the left.
+
+    Parameters
+    ----------
+    box
+        Lowest and highest corner, in cells, shape (2, 2).
+    fractions
+        The fractions of the cells.
+    """
+    pieces, normals = _sides(box)
+    upper = np.array(fractions.grid.shape) - 1
+    cell = np.floor(pieces.mean(axis=1) - 0.5 * normals).astype(np.int64)
+    cell = np.clip(cell, 0, upper)
+    reaches = fractions.cells[cell[:, 0], cell[:, 1]] >= 0.5
+    is_turned = (_normals(pieces) * normals).sum(axis=1) < 0
+    pieces[is_turned] = pieces[is_turned][:, ::-1]
+    return np.asarray(pieces[reaches])
 
 
 def _sides(box: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -225,10 +253,25 @@ def _normals(pieces: FloatArray) -> FloatArray:
     return np.asarray(normals / np.maximum(_lengths(pieces), 1e-300)[:, None])
 
 
-def _pick_samples(
+def pick_planar_samples(
     pieces: FloatArray, normals: FloatArray
 ) -> tuple[FloatArray, FloatArray, IntArray]:
-    """Return the mean centre and normal of the pieces in each small box, and the box of each."""
+    """Return the mean centre and normal of the pieces in each small box, and the box of each.
+
+    Parameters
+    ----------
+    pieces
+        Ends of the pieces, in cells, shape (p, 2, 2).
+    normals
+        Their unit normals, shape (p, 2).
+
+    Returns
+    -------
+    points, normals
+        Of each box, shape (s, 2) each.
+    sample
+        The box of each piece, shape (p,).
+    """
     centres, lengths = pieces.mean(axis=1), _lengths(pieces)
     place = np.concatenate([np.floor(centres / _BOX), np.rint(normals / _BOX_OF_NORMALS)], axis=1)
     numbers = np.unique(place.astype(np.int64), axis=0, return_inverse=True)[1]
