@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from tusqh.fitting.nearest_piece import find_nearest, make_tree
 from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BoolArray, FloatArray
 from tusqh.meshes.quadratic import Mover
+from tusqh.sampling.nearest_triangle import find_nearest, make_tree
 
 #: Cosine of the angle between triangles beyond which their common edge is sharp.
 _SHARP = np.cos(np.radians(30.0))

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from tusqh.fitting.midpoints import mover_onto
-from tusqh.fitting.nearest_piece import find_nearest, make_tree
 from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.soup import Soup
 from tusqh.meshes.choose_sets import Wish
@@ -15,6 +14,7 @@ from tusqh.meshes.elements import Element
 from tusqh.meshes.formats import Export
 from tusqh.meshes.sets import Labels
 from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.sampling.nearest_triangle import find_nearest, make_tree
 
 
 def export_of(
