@@ -123,6 +123,7 @@ def mesh_materials(
     source: MaterialFractions | NDArray[np.integer],
     *,
     thresholds: Mapping[str, float] | None = None,
+    labels: NDArray[np.int32] | None = None,
     with_void: bool = False,
     name: str = "mesh",
 ) -> MaterialMesh:
@@ -139,6 +140,8 @@ def mesh_materials(
     thresholds
         Thresholds of materials, above 0 and at most 1; 1 for the others.  For one material, the
         thresholds t and 1 - t of material and void keep the cells with at least the fraction t.
+    labels
+        Material of every cell, shape n; None: the one with the largest ratio.
     with_void
         Whether to mesh the void too, in the grid and in one layer of cells around it.
     name
@@ -160,26 +163,40 @@ def mesh_materials(
     (True, 24)
     """
     fractions = source if isinstance(source, MaterialFractions) else fractions_of_labels(source)
-    t = _round_thresholds(fractions.names, dict(thresholds or {}))
-    decision = decide_contacts(fractions, fractions.label_cells(t), t)
+    t = round_thresholds(fractions.names, dict(thresholds or {}))
+    labels = fractions.label_cells(t) if labels is None else labels
+    decision = decide_contacts(fractions, labels, t)
     left_out = None if with_void else fractions.void
     mesh, material = emit_decision(decision, fractions.grid, name, left_out=left_out)
-    labels = np.ascontiguousarray(decision.labels, dtype=np.int32)
+    padded = np.ascontiguousarray(decision.labels, dtype=np.int32)
     contacts = decision.contacts
-    predicted = predict_betti(labels, contacts, len(fractions.names))
+    predicted = predict_betti(padded, contacts, len(fractions.names))
     return MaterialMesh(
         mesh=mesh,
         names=fractions.names,
         material=material,
         predicted=dict(zip(fractions.names, predicted, strict=True)),
-        predicted_solid=predict_solid(labels, contacts, fractions.void),
+        predicted_solid=predict_solid(padded, contacts, fractions.void),
         n_contacts=len(contacts),
         n_overruled=decision.n_overruled,
     )
 
 
-def _round_thresholds(names: Sequence[str], thresholds: dict[str, float]) -> IntArray:
-    """Return the threshold of every material in multiples of 2**-20, rounded up."""
+def round_thresholds(names: Sequence[str], thresholds: Mapping[str, float]) -> IntArray:
+    """Return the threshold of every material in multiples of 2**-20, rounded up.
+
+    Parameters
+    ----------
+    names
+        The materials; the last one is the void, whose threshold is rounded down.
+    thresholds
+        Thresholds of materials by name; 1 for the others.
+
+    Raises
+    ------
+    TopologyError
+        A threshold is out of range or does not belong to a material.
+    """
     for name, value in thresholds.items():
         if name not in names or not 0 <= value <= 1 or (value == 0 and name != names[-1]):
             raise TopologyError(
