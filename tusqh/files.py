@@ -249,6 +249,21 @@ _MATERIALS = (
         ),
     ),
     ResultFile(
+        "material_changes",
+        "changes.csv",
+        "of several materials, with local scope: the cells that differ from the base, in groups",
+        _columns("from to cells volume do material class row x y z"),
+    ),
+    ResultFile(
+        "material_prices",
+        "prices.csv",
+        "of several materials: what it costs to open, cut or fill each class, by itself",
+        _columns(
+            "material row class birth death do cells volume volumes",
+            "betti_0 betti_1 betti_2 others possible why x y z",
+        ),
+    ),
+    ResultFile(
         "pairs",
         "pairs.csv",
         "of several materials: the overlap, the gap and the interface of every two",

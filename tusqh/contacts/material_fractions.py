@@ -206,9 +206,20 @@ class MaterialFractions:
         shape = tuple(2 * n + 1 for n in self.grid.shape)
         places = np.arange(np.prod(shape), dtype=np.int64).reshape(shape)
         places = np.ascontiguousarray(places[doubled.cells(self.grid.dim)])
+        return self.label_places(places.ravel(), thresholds).reshape(self.grid.shape)
+
+    def label_places(self, places: IntArray, thresholds: IntArray) -> NDArray[np.int32]:
+        """Return the material with the largest fraction over threshold at some places, shape (r,).
+
+        Parameters
+        ----------
+        places
+            Flat places of the doubled grid, shape (r,).
+        thresholds
+            Threshold of every material, in multiples of `RESOLUTION`, shape (m,).
+        """
         entries = (self.start, self.material, self.multiple)
-        labels = _best_of_places(places.ravel(), entries, thresholds, self.void)
-        return np.asarray(labels).reshape(self.grid.shape)
+        return np.asarray(_best_of_places(places, entries, thresholds, self.void))
 
     def multiples_at(self, places: IntArray, labels: NDArray[np.int32]) -> IntArray:
         """Return the fractions of chosen materials at some places, in multiples of `RESOLUTION`.

@@ -247,10 +247,10 @@ def decide_sticks(
         labels=votes.labels.reshape(votes.shape)[:-1, :-1, :-1],
         field=field,
         contacts=Contacts(
-            vertex_cells=_to_cells(vertices[:, None] + votes.octant, votes.shape),
+            vertex_cells=to_cells(vertices[:, None] + votes.octant, votes.shape),
             ball=field.ball[vertices].astype(np.int32),
             sticks=sticks,
-            edge_cells=_to_cells(np.concatenate(edge_cells), votes.shape),
+            edge_cells=to_cells(np.concatenate(edge_cells), votes.shape),
             edge_material=np.concatenate(
                 [field.sticks[k, e] for k, e in enumerate(pinched)], dtype=np.int32
             ),
@@ -301,7 +301,15 @@ def face_sticks(field: Field, axis: int) -> tuple[IntArray, Labels, Labels, Labe
     return faces, field.labels[faces - field.steps[axis]], field.labels[faces], sticks, sticks >= 0
 
 
-def _to_cells(numbers: IntArray, shape: tuple[int, ...]) -> IntArray:
-    """Return the flat cells of a grid from the numbers of their lowest vertices."""
+def to_cells(numbers: IntArray, shape: tuple[int, ...]) -> IntArray:
+    """Return the flat cells of a grid from the numbers of their lowest vertices.
+
+    Parameters
+    ----------
+    numbers
+        Numbers of vertices.
+    shape
+        Number of vertices along each axis.
+    """
     index = np.unravel_index(numbers, shape)
     return np.asarray(np.ravel_multi_index(index, tuple(n - 1 for n in shape)), dtype=np.int64)

@@ -9,8 +9,9 @@ import pandas as pd
 
 from tusqh.antialias.cells import CellSets
 from tusqh.errors import TopologyError
+from tusqh.local_topology.changeable import Changeable, Impossible, S
 from tusqh.local_topology.changes import ADDED, CHANGE_COLUMNS, LEFT_OUT, describe_group
-from tusqh.local_topology.features import Done, Features, Impossible
+from tusqh.local_topology.features import Done, Features
 from tusqh.local_topology.move import LocalCells, approach
 from tusqh.local_topology.wishes import OPEN, Wish
 
@@ -63,7 +64,7 @@ def repeat_choice(cell_sets: CellSets, base: float | None, wishes: Sequence[Wish
     return FeatureCellSets(cell_sets, wishes) if wishes else approach(cell_sets, base)
 
 
-def change_features(features: Features, wishes: Sequence[Wish]) -> Done:
+def change_features(features: Changeable[S], wishes: Sequence[Wish]) -> S:
     """Return the cells after all wishes; one that is impossible at first is tried again later.
 
     Parameters
@@ -145,19 +146,19 @@ def _tabulate(features: Features, done: Done) -> pd.DataFrame:
     return table.astype({"cells": np.int64, "row": "Int64"})
 
 
-def _cannot(features: Features, wish: Wish, reason: str, done: Done) -> TopologyError:
+def _cannot(features: Changeable[S], wish: Wish, reason: str, done: S) -> TopologyError:
     """Return the error for a wish that cannot be met."""
     near = features.nearest(wish.row, done)
     return TopologyError(
         f"cannot {wish.do} {features.describe(wish.row)}",
-        where=f"the cells of the threshold {features.base:.6g}",
+        where=f"the cells of {features.where}",
         expected=f"a change of cells that does only this; {reason}",
         remedy="wish for another way, or also for the classes near it:\n    "
         + "\n    ".join(map(features.describe, near)),
     )
 
 
-def _contradiction(features: Features, wish: Wish, wishes: Sequence[Wish]) -> TopologyError:
+def _contradiction(features: Changeable[S], wish: Wish, wishes: Sequence[Wish]) -> TopologyError:
     """Return the error for a class that shall stay and ends by another wish."""
     others = [w for w in wishes if w.do != OPEN]
     return TopologyError(

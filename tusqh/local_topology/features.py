@@ -9,14 +9,18 @@ separated at all of them together, see `tusqh.local_topology.separate`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from tusqh.antialias.cells import CellSets, label_with_bridges
 from tusqh.antialias.components import label_holes, label_kept
+from tusqh.contacts.one_material_contacts import find_contacts
+from tusqh.errors import ConfigError
 from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.local_topology.changeable import Impossible
 from tusqh.local_topology.classes import list_classes
 from tusqh.local_topology.one_change import Accepts, Event, change_class, undo_simple
 from tusqh.local_topology.separate import separate
@@ -63,10 +67,6 @@ def _any_cells(kept: BoolArray) -> bool:
     return True
 
 
-class Impossible(Exception):  # noqa: N818
-    """A wish that cannot be met, with the reason."""
-
-
 class Features:
     """The classes of the diagram at a base, each of which can be opened, cut or filled.
 
@@ -85,11 +85,73 @@ class Features:
         self.space = Workspace(cell_sets.at(base))
         table = list_classes(cell_sets.fractions, cell_sets.topology.pairs)
         is_there = (table["birth"] >= base) & (table["death"] < base)
-        #: The classes, see `tusqh.local_topology.classes.list_classes`, and whether the base has
-        #: each one (`is_there`).
-        self.classes = table.assign(is_there=is_there)
+        #: The classes, see `tusqh.local_topology.classes.list_classes`, the threshold of the base,
+        #: and whether it has each one (`is_there`).
+        self.classes = table.assign(base=base, is_there=is_there)
         columns = (self.classes[name].tolist() for name in _Row._fields)
         self._rows = [_Row(*values) for values in zip(*columns, strict=True)]
+
+    def on(self, kept: BoolArray, votes: BoolArray) -> Features:
+        """Return the same classes for other cells, whose contacts have other votes.
+
+        Parameters
+        ----------
+        kept
+            Kept cells, shape n.
+        votes
+            Which places of the doubled grid vote to connect, shape ``2 n + 1``.
+        """
+        other, start = copy(self), self.space.start
+        contacts = find_contacts(kept, votes)
+        other.space = Workspace(replace(start, kept=kept, contacts=contacts), votes)
+        return other
+
+    @property
+    def where(self) -> str:
+        """The base, in words."""
+        return f"the threshold {self.base:.6g}"
+
+    def rows_of(self, material: str | None) -> IntArray:
+        """Return all rows; there is one material, which has no name.
+
+        Parameters
+        ----------
+        material
+            None.
+
+        Raises
+        ------
+        ConfigError
+            A material is named.
+        """
+        if material is not None:
+            raise ConfigError(
+                f"a wish for a feature of the material {material!r}",
+                where="features",
+                expected="wishes without a material, because there is only one",
+                remedy="leave the material out, or mesh several with `--materials`",
+            )
+        return np.arange(len(self.classes), dtype=np.int64)
+
+    def position(self, row: int) -> int:
+        """Return the dimension of a class, the place of its number in the Betti numbers.
+
+        Parameters
+        ----------
+        row
+            Row of the class.
+        """
+        return self._rows[row].dimension
+
+    def is_below(self, row: int) -> bool:
+        """Return whether a class begins below the base.
+
+        Parameters
+        ----------
+        row
+            Row of the class.
+        """
+        return self._rows[row].birth < self.base
 
     def start(self) -> Done:
         """Return the cells of the base."""

@@ -60,6 +60,7 @@ class Link(NamedTuple):
     is_pinched: BoolArray
 
 
+@cache
 def link_in(cell_shape: tuple[int, ...], place_shape: tuple[int, ...]) -> Link:
     """Return the link of a cell in arrays of given shapes.
 

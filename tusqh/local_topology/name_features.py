@@ -8,7 +8,7 @@ import numpy as np
 
 from tusqh.errors import TopologyError
 from tusqh.grid import FloatArray, IntArray
-from tusqh.local_topology.features import Features
+from tusqh.local_topology.changeable import Changeable, S
 from tusqh.local_topology.wishes import OPEN, Wish
 from tusqh.settings.features import Feature
 
@@ -16,7 +16,7 @@ from tusqh.settings.features import Feature
 _LISTED = 5
 
 
-def find_wishes(features: Features, named: Sequence[Feature]) -> tuple[Wish, ...]:
+def find_wishes(features: Changeable[S], named: Sequence[Feature]) -> tuple[Wish, ...]:
     """Return the wishes for the features that settings name.
 
     Parameters
@@ -50,25 +50,28 @@ def find_wishes(features: Features, named: Sequence[Feature]) -> tuple[Wish, ...
     return tuple(found.values())
 
 
-def _by_row(features: Features, about: Feature) -> int:
+def _by_row(features: Changeable[S], about: Feature) -> int:
     """Return the row that is named by its number."""
-    row, n = int(about.row or 0), len(features.classes)
-    if row >= n:
+    number, known = int(about.row or 0), features.rows_of(about.material)
+    if number >= len(known):
         raise _missing(
-            features, f"row {row} of a diagram with {n} rows", _of_kind(features, about.kind)
+            features,
+            f"row {number} of a diagram with {len(known)} rows",
+            _of_kind(features, known, about.kind),
         )
+    row = int(known[number])
     kind, is_there = str(features.classes["class"][row]), bool(features.classes["is_there"][row])
     if about.kind not in (None, kind):
-        rows = _by_distance(features, _of_kind(features, about.kind), features.points[row])
-        raise _missing(features, f"row {row} is a {kind}, not a {about.kind}", rows)
+        rows = _by_distance(features, _of_kind(features, known, about.kind), features.points[row])
+        raise _missing(features, f"row {number} is a {kind}, not a {about.kind}", rows)
     if about.do != OPEN and not is_there:
-        rows = _by_distance(features, _there(features, kind), features.points[row])
+        rows = _by_distance(features, _there(features, known, kind), features.points[row])
         what = f"{features.describe(row)} is not there, so nothing is to {about.do}"
         raise _missing(features, what, rows)
     return row
 
 
-def _nearest(features: Features, about: Feature) -> int:
+def _nearest(features: Changeable[S], about: Feature) -> int:
     """Return the row of a kind that is nearest to a point; of equally near ones the longest-lived.
 
     Only a feature that is there can be cut or filled.
@@ -84,33 +87,34 @@ def _nearest(features: Features, about: Feature) -> int:
             f"{_in_words(upper)}",
             remedy="correct the point, or change the window",
         )
-    of_kind = _of_kind if about.do == OPEN else _there
-    rows = _by_distance(features, of_kind(features, about.kind), point)
+    known, of_kind = features.rows_of(about.material), _of_kind if about.do == OPEN else _there
+    rows = _by_distance(features, of_kind(features, known, about.kind), point)
     if len(rows) == 0:
-        there = _by_distance(features, _there(features, None), point)
-        state = "" if about.do == OPEN else f" at the threshold {features.base:.6g}"
+        there = _by_distance(features, _there(features, known, None), point)
+        state = "" if about.do == OPEN else f" at {features.where}"
         raise _missing(features, f"there is not a {about.kind}{state}", there)
     return int(rows[0])
 
 
-def _of_kind(features: Features, kind: str | None) -> IntArray:
-    """Return the rows of a kind, or all."""
-    is_kind = (features.classes["class"] == kind) | (kind is None)
-    return np.flatnonzero(is_kind)
+def _of_kind(features: Changeable[S], known: IntArray, kind: str | None) -> IntArray:
+    """Return the rows of a kind among known ones, or all of them."""
+    is_kind = (features.classes["class"].to_numpy()[known] == kind) | (kind is None)
+    return np.asarray(known[is_kind])
 
 
-def _there(features: Features, kind: str | None) -> IntArray:
+def _there(features: Changeable[S], known: IntArray, kind: str | None) -> IntArray:
     """Return the rows of a kind that are there at the base."""
-    return np.intersect1d(_of_kind(features, kind), np.flatnonzero(features.classes["is_there"]))
+    rows = _of_kind(features, known, kind)
+    return np.asarray(rows[features.classes["is_there"].to_numpy()[rows]])
 
 
-def _by_distance(features: Features, rows: IntArray, point: FloatArray) -> IntArray:
+def _by_distance(features: Changeable[S], rows: IntArray, point: FloatArray) -> IntArray:
     """Return rows, those nearest to a point first."""
     distance = ((features.points[rows] - point) ** 2).sum(axis=1)
     return np.asarray(rows[np.argsort(distance, kind="stable")])
 
 
-def _missing(features: Features, what: str, rows: IntArray) -> TopologyError:
+def _missing(features: Changeable[S], what: str, rows: IntArray) -> TopologyError:
     """Return the error for a class that does not exist, with others."""
     listed = [features.describe(int(row)) for row in rows[:_LISTED]]
     return TopologyError(

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import Generic, NamedTuple
 
 import numpy as np
 import pandas as pd
 
+from tusqh.local_topology.changeable import Changeable, Impossible, S
 from tusqh.local_topology.changes import ADDED, LEFT_OUT
-from tusqh.local_topology.features import Done, Features, Impossible
+from tusqh.local_topology.features import Features
 from tusqh.local_topology.wishes import CUT, FILL, OPEN, Wish
 
 #: Columns of the table of prices, before the coordinates.
@@ -20,7 +21,7 @@ PRICE_COLUMNS += ["betti_0", "betti_1", "betti_2", "possible", "why"]
 _WORK = 1_500_000
 
 
-class Tried(NamedTuple):
+class Tried(NamedTuple, Generic[S]):
     """A wish that was tried by itself.
 
     Parameters
@@ -37,7 +38,7 @@ class Tried(NamedTuple):
 
     wish: Wish
     adds: bool
-    done: Done | None
+    done: S | None
     why: str = ""
 
 
@@ -91,7 +92,7 @@ def tabulate_prices(features: Features, rows: Sequence[int] | None = None) -> pd
     return table.astype({"possible": bool, **counts})
 
 
-def try_wishes(features: Features, rows: Sequence[int] | None = None) -> Iterator[Tried]:
+def try_wishes(features: Changeable[S], rows: Sequence[int] | None = None) -> Iterator[Tried[S]]:
     """Yield each way to change each class at the base, tried by itself.
 
     Parameters
@@ -104,9 +105,8 @@ def try_wishes(features: Features, rows: Sequence[int] | None = None) -> Iterato
     start = features.start()
     is_there = features.classes["is_there"].to_numpy()
     for row in range(len(is_there)) if rows is None else rows:
-        is_low = bool(features.classes["birth"].iloc[row] < features.base)
         for do in (CUT, FILL) if is_there[row] else (OPEN,):
-            wish, adds = Wish(row, do), do == FILL or (do == OPEN and is_low)
+            wish, adds = Wish(row, do), do == FILL or (do == OPEN and features.is_below(row))
             try:
                 yield Tried(wish, adds, features.apply(start, wish))
             except Impossible as why:
@@ -124,7 +124,7 @@ def no_prices(dim: int) -> pd.DataFrame:
     return pd.DataFrame(columns=[*PRICE_COLUMNS, *"xyz"[:dim]])
 
 
-def affordable_rows(features: Features) -> list[int]:
+def affordable_rows(features: Changeable[S]) -> list[int]:
     """Return the rows of the classes whose prices are found in a few seconds, in their order.
 
     Those are all classes on small grids; on large grids first those that the base has, then the

@@ -1,4 +1,4 @@
-"""Move the materials of one set of thresholds towards those of another without a change of topology.
+"""Move the materials of one set of thresholds towards another without a change of topology.
 
 This is `tusqh.local_topology.move` for several materials.  The *seed* has the material of every
 cell at thresholds at which every material has the wanted topology, the *base* those at the

@@ -12,13 +12,12 @@ from __future__ import annotations
 import heapq
 import itertools
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from typing import Generic, NamedTuple
 
 import numpy as np
 
-from tusqh.local_topology.features import Done, Features, Impossible
+from tusqh.local_topology.changeable import Changeable, Impossible, S
 from tusqh.local_topology.wishes import CUT, FILL, OPEN, Wish
-from tusqh.topology.betti_numbers import BettiNumbers
 
 #: Largest number of choices that a search looks at.
 _MOST_CHOICES = 20_000
@@ -27,7 +26,7 @@ _MOST_CHOICES = 20_000
 MOST_CLASSES, _MOST_WORK = 300, 50_000_000
 
 #: Distance of Betti numbers to the target; 0 if they are as wanted.
-Distance = Callable[[BettiNumbers], float]
+Distance = Callable[[tuple[int, ...]], float]
 
 Effect = tuple[int, ...]
 
@@ -50,7 +49,7 @@ class Offer(NamedTuple):
     effect: Effect
 
 
-class Solution(NamedTuple):
+class Solution(NamedTuple, Generic[S]):
     """The best that was found.
 
     Parameters
@@ -61,13 +60,13 @@ class Solution(NamedTuple):
         Distance of their Betti numbers to the target.
     """
 
-    done: Done
+    done: S
     distance: float
 
 
 def solve(
-    features: Features, start: Done, distance: Distance, held: frozenset[int] = frozenset()
-) -> Solution:
+    features: Changeable[S], start: S, distance: Distance, held: frozenset[int] = frozenset()
+) -> Solution[S]:
     """Return the cells that are nearest to a target, and among these those with few changes.
 
     Parameters
@@ -103,7 +102,7 @@ def solve(
     return best
 
 
-def _may_help(features: Features, done: Done, row: int, distance: Distance) -> bool:
+def _may_help(features: Changeable[S], done: S, row: int, distance: Distance) -> bool:
     """Return whether a class may bring the Betti numbers nearer to the target.
 
     One that is removed or filled whole takes others along, so it always may.
@@ -111,12 +110,12 @@ def _may_help(features: Features, done: Done, row: int, distance: Distance) -> b
     dimension, is_there = int(features.classes["dimension"][row]), row in done.there
     if is_there and dimension in (0, features.grid.dim - 1):
         return True
-    after = np.array(done.betti)
-    after[dimension] += -1 if is_there else 1
-    return distance(BettiNumbers(*after.tolist())) < distance(done.betti)
+    after = list(done.betti)
+    after[features.position(row)] += -1 if is_there else 1
+    return distance(tuple(after)) < distance(done.betti)
 
 
-def nearest_to_base(features: Features) -> list[int]:
+def nearest_to_base(features: Changeable[S]) -> list[int]:
     """Return the rows of the classes that begin or end nearest to the base, which cost the least.
 
     There are at most `MOST_CLASSES`, and on large grids fewer.
@@ -126,15 +125,15 @@ def nearest_to_base(features: Features) -> list[int]:
     features
         The classes at the base.
     """
-    table, base = features.classes, features.base
-    birth, death = table["birth"].to_numpy() - base, base - table["death"].to_numpy()
-    away = np.minimum(np.abs(birth), np.abs(death))
+    table = features.classes
+    birth, death = table["birth"] - table["base"], table["base"] - table["death"]
+    away = np.minimum(birth.abs().to_numpy(), death.abs().to_numpy())
     n = min(MOST_CLASSES, max(20, _MOST_WORK // features.grid.n_cells))
     return [int(k) for k in np.argsort(away, kind="stable")[:n]]
 
 
 def find_offers(
-    features: Features, done: Done, rows: list[int], held: frozenset[int] = frozenset()
+    features: Changeable[S], done: S, rows: list[int], held: frozenset[int] = frozenset()
 ) -> list[Offer]:
     """Return what each way to change a class costs, for all that are possible.
 
@@ -166,7 +165,7 @@ def find_offers(
     return sorted(offers)
 
 
-def _cheapest(offers: list[Offer], betti: BettiNumbers, distance: Distance) -> list[Offer]:
+def _cheapest(offers: list[Offer], betti: tuple[int, ...], distance: Distance) -> list[Offer]:
     """Return the offers with the least total price that come nearest to the target.
 
     A search takes, of the offers with the same effect, the cheapest ones first, and goes on with
@@ -197,12 +196,14 @@ def _cheapest(offers: list[Offer], betti: BettiNumbers, distance: Distance) -> l
     return sorted(itertools.chain.from_iterable(chosen))
 
 
-def _add(betti: BettiNumbers, groups: list[list[Offer]], counts: tuple[int, ...]) -> BettiNumbers:
+def _add(
+    betti: tuple[int, ...], groups: list[list[Offer]], counts: tuple[int, ...]
+) -> tuple[int, ...]:
     """Return Betti numbers after some offers of each group."""
     total = np.array(betti)
     for group, n in zip(groups, counts, strict=True):
         total = total + n * np.array(group[0].effect)
-    return BettiNumbers(*total.tolist())
+    return tuple(total.tolist())
 
 
 def _with_one_more(
@@ -216,8 +217,8 @@ def _with_one_more(
 
 
 def _carry_out(
-    features: Features, done: Done, plan: list[Offer]
-) -> tuple[Done, list[tuple[Wish, bool]]]:
+    features: Changeable[S], done: S, plan: list[Offer]
+) -> tuple[S, list[tuple[Wish, bool]]]:
     """Return the cells after the offers of a plan, and those that failed, openings first.
 
     An offer fails if it is impossible after the others, or possible with another effect.

@@ -20,12 +20,15 @@ class Workspace:
     Parameters
     ----------
     start
-        The cells to begin with; every contact votes at their threshold.
+        The cells to begin with.
+    votes
+        Which places of the doubled grid vote to connect, shape ``2 n + 1``; None: those of the
+        threshold of the cells.
     """
 
-    def __init__(self, start: CellSet) -> None:
+    def __init__(self, start: CellSet, votes: BoolArray | None = None) -> None:
         self.start = start
-        self.votes = votes_of(start)
+        self.votes = votes_of(start) if votes is None else votes
         self.shape = tuple(n + 2 for n in start.kept.shape)
         self.dim = len(self.shape)
         self._flat_votes = np.pad(self.votes, 2).ravel()

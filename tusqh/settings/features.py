@@ -10,7 +10,8 @@ from tusqh.settings.field import setting
 from tusqh.settings.section import Section
 from tusqh.settings.validate import Path
 
-_FORM = "a row of diagram.csv, as 3, or a class and a point, as hole@0.5,1,2"
+_FORM = "a row of diagram.csv, as 3, or a class and a point, as hole@0.5,1,2; with several "
+_FORM += "materials, the one that is changed before it, as ring:3"
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,12 @@ class Feature(Section):
         n_items=(2, 3),
     )
 
+    material: str | None = setting(
+        "With several materials: the one whose feature it is.",
+        default=None,
+        otherwise="the only one",
+    )
+
     def find_contradictions(self) -> Iterator[tuple[Path, str, str]]:
         """Yield a feature that is named in two ways or in none, and a point without a class."""
         if (self.row is None) == (self.near is None):
@@ -75,18 +82,23 @@ class Feature(Section):
         --------
         >>> Feature.from_option("fill", "hole@0,0,1")
         {'do': 'fill', 'class': 'hole', 'near': [0.0, 0.0, 1.0]}
+        >>> Feature.from_option("cut", "ring:3")
+        {'do': 'cut', 'material': 'ring', 'row': 3}
         """
-        kind, at, point = text.strip().partition("@")
+        material, of, feature = text.strip().rpartition(":")
+        kind, at, point = feature.partition("@")
+        named = {"do": word} | ({"material": material} if of else {})
         try:
             if not at:
-                return {"do": word, "row": int(kind)}
+                return {**named, "row": int(kind)}
             near = [float(number) for number in point.split(",")]
         except ValueError:
             raise ValueError(_FORM) from None
-        return {"do": word, "class": kind, "near": near}
+        return {**named, "class": kind, "near": near}
 
     def to_option(self) -> str:
         """Return the text of the option ``--open``, ``--cut`` or ``--fill``."""
+        of = "" if self.material is None else f"{self.material}:"
         if self.near is None:
-            return str(self.row)
-        return f"{self.kind}@" + ",".join(repr(x).removesuffix(".0") for x in self.near)
+            return f"{of}{self.row}"
+        return f"{of}{self.kind}@" + ",".join(repr(x).removesuffix(".0") for x in self.near)

@@ -173,11 +173,12 @@ class Goal(Section):
     features: tuple[Feature, ...] | None = setting(
         "Single features that are kept or made (open), or ended by leaving out (cut) or adding "
         "cells (fill): a row of `diagram.csv`, or the class and the point it is nearest to, as "
-        "hole@0.5,1,2. The other cells are those of the `threshold`, or with `target` of `base`.",
+        "hole@0.5,1,2; of several materials as ring:3. The other cells are those of the "
+        "`threshold`, or with `target` of `base`.",
         default=None,
         otherwise="none",
         words=("open", "cut", "fill"),
-        metavar="ROW|CLASS@X,Y",
+        metavar="[MATERIAL:]ROW|CLASS@X,Y",
     )
     base: Base = setting(
         "The threshold whose cells the local scope keeps where it can; `match` takes the one whose "
@@ -199,12 +200,13 @@ class Goal(Section):
     def find_contradictions(self) -> Iterator[tuple[Path, str, str]]:
         """Yield wishes for features that contradict one another or another goal."""
         yield from super().find_contradictions()
-        rows: dict[int, str] = {}
+        rows: dict[tuple[str | None, int], str] = {}
         for k, feature in enumerate(self.features or ()):
             for path, found, expected in feature.find_contradictions():
                 yield ("features", str(k), *path), found, expected
-            if feature.row is not None and rows.setdefault(feature.row, feature.do) != feature.do:
-                found = f"row {feature.row} is in two wishes, {rows[feature.row]} and {feature.do}"
+            key = feature.material, feature.row or 0
+            if feature.row is not None and rows.setdefault(key, feature.do) != feature.do:
+                found = f"row {feature.row} is in two wishes, {rows[key]} and {feature.do}"
                 yield ("features", str(k)), found, "one wish for each feature"
         if self.features and self.scope == "global":
             yield ("features",), "`scope: global` is given too", "the local scope, or no features"

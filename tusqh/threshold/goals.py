@@ -34,7 +34,7 @@ def matches(numbers: pd.DataFrame, target: Target) -> BoolArray:
     return np.asarray(distances(numbers, target) == 0)
 
 
-def distance_to(target: Target) -> Callable[[BettiNumbers], float]:
+def distance_to(target: Target) -> Callable[[tuple[int, ...]], float]:
     """Return a function that gives the distance of Betti numbers to a target, see `distances`.
 
     Parameters
@@ -44,12 +44,12 @@ def distance_to(target: Target) -> Callable[[BettiNumbers], float]:
 
     Examples
     --------
-    >>> distance_to(Target(betti_0=1, betti_1=Range(min=3)))(BettiNumbers(2, 1))
+    >>> distance_to(Target(betti_0=1, betti_1=Range(min=3)))((2, 1, 0))
     3.0
     """
 
-    def distance(betti: BettiNumbers) -> float:
-        return float(distances(pd.DataFrame([betti]), target)[0])
+    def distance(betti: tuple[int, ...]) -> float:
+        return float(distances(pd.DataFrame([betti], columns=BettiNumbers._fields), target)[0])
 
     return cache(distance)
 

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from tusqh.contacts.material_fractions import ALL
 from tusqh.errors import MeshError
 from tusqh.files import path_of
 from tusqh.hashing import hash_file
+from tusqh.local_topology.local_labels import MaterialWish, label_locally
 from tusqh.meshes.export import read_regions, read_vtu
 from tusqh.meshes.measure_regions import RegionMeasurement
 from tusqh.meshes.regions import Regions
@@ -46,6 +47,8 @@ def make_certificate(
     name: str,
     volume_tolerance: float,
     original: MaterialsOriginal | None = None,
+    base: Mapping[str, float] | None = None,
+    wishes: Sequence[MaterialWish] = (),
 ) -> dict[str, Any]:
     """Return the certificate of a mesh, from its files as they were written.
 
@@ -61,6 +64,10 @@ def make_certificate(
         Largest relative difference between volumes that causes no warning.
     original
         The geometries; None: the fractions were given.
+    base
+        With the local scope: the threshold of every material at the base.
+    wishes
+        What was done about single features.
 
     Returns
     -------
@@ -70,7 +77,9 @@ def make_certificate(
     mesh, regions = read_materials(path_of("mesh", folder))
     measured = measure_materials(mesh, regions)
     fractions = load_materials(path_of("fractions", folder))
-    built = mesh_materials(fractions, thresholds=thresholds)
+    local = None if base is None else label_locally(fractions, thresholds, base, wishes)
+    labels = None if local is None else local.labels
+    built = mesh_materials(fractions, thresholds=thresholds, labels=labels)
     predicted = predict(built)
     volumes = volumes_of_geometry(fractions)
     certificate = {
@@ -85,6 +94,10 @@ def make_certificate(
         **claims_of_mesh(mesh, measured, predicted),
         "warnings": to_warnings(compare_volumes(measured, volumes, volume_tolerance)),
     }
+    if base is not None and local is not None:
+        certificate["base"] = dict(base)
+        certificate["features"] = [wish._asdict() for wish in wishes]
+        certificate["changed_cells"] = local.n_changes
     if original is not None:
         certificate["geometry"] = _digest(path_of("geometry", folder))
         certificate["settings"] = original.to_dict()

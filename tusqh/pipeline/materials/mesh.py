@@ -10,7 +10,7 @@ from tusqh.contacts import MaterialFractions
 from tusqh.errors import ConfigError
 from tusqh.pipeline.materials.gather import Gathered, gather, is_pair, require_known
 from tusqh.pipeline.materials.original import MaterialsOriginal
-from tusqh.pipeline.materials.remarks import leave_out, note_absent, note_fit
+from tusqh.pipeline.materials.remarks import leave_out, note_absent, note_fit, note_scope
 from tusqh.pipeline.materials.result import MaterialsResult
 from tusqh.pipeline.materials.sample import Sampled
 from tusqh.pipeline.materials.wishes import fulfil
@@ -52,7 +52,8 @@ def mesh_several(
         Files, parts or labels, see `tusqh.pipeline.materials.gather.gather`; or the fractions of
         all materials.
     settings
-        Only the grid, the window, the samples, the size of voxels and the quality have an effect.
+        Only the grid, the window, the samples, the size of voxels, the quality, the scope and
+        features, which name their material, have an effect.
     materials
         Names and wishes, see `tusqh.settings.materials.to_materials`.
     rest
@@ -97,17 +98,26 @@ def mesh_several(
         sampled = original.sample()
         gathered = leave_out(gathered, sampled.left_out)
         original = replace(original, gathered=gathered)
-    found = fulfil(sampled.fractions, gathered.wishes, name=name)
+    goal = settings.goal
+    found = fulfil(
+        sampled.fractions,
+        gathered.wishes,
+        features=goal.features or (),
+        is_local=goal.scope != "global",
+        name=name,
+    )
     absent = note_absent(found.mesh, sampled.fractions, found.thresholds)
     return MaterialsResult(
         found.mesh,
         sampled.fractions,
         found.thresholds,
         sampled.overlaps,
-        (*gathered.remarks, *absent, *note_fit(settings)),
+        (*gathered.remarks, *absent, *note_fit(settings), *note_scope(goal, gathered.wishes)),
         settings.quality.volume_tolerance,
         settings.quality.checks,
         original,
+        base=found.base,
+        local=found.local,
     )
 
 
@@ -116,7 +126,8 @@ def _require_no_others(settings: Settings) -> None:
     default = Settings()
     usual = default.goal.to_dict(defaults=False)
     wished = settings.goal.to_dict(defaults=False) | settings.policy.to_dict(defaults=False)
-    given = [name for name, value in wished.items() if usual.get(name) != value]
+    applies = ("scope", "features")
+    given = [n for n, value in wished.items() if usual.get(n) != value and n not in applies]
     for section, names in (
         ("sampling", ("domain", "rule")),
         ("image", ("empty", "full", "labels")),
@@ -134,6 +145,7 @@ def _without_effect(what: str, remedy: str) -> ConfigError:
     return ConfigError(
         f"{what} together with several materials",
         where="materials",
-        expected="settings of the grid, the window, the samples, the voxels and the checks only",
+        expected="settings of the grid, the window, the samples, the voxels, the checks, the "
+        "scope and features only",
         remedy=remedy,
     )

@@ -14,6 +14,8 @@ from tusqh.contacts import MaterialFractions, MaterialMesh, mesh_materials
 from tusqh.contacts.fractions_file import load_materials
 from tusqh.errors import TusqhError
 from tusqh.hashing import hash_file
+from tusqh.local_topology.local_labels import MaterialWish, label_locally
+from tusqh.local_topology.relabel import Labels
 from tusqh.meshes.checks import Check
 from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
@@ -74,7 +76,8 @@ def check_materials(mesh_file: Path, *, checks: Literal["all"] | None = None) ->
     fractions_file = path.parent / stored["fractions"]["file"]
     if fractions_file.is_file():
         fractions = load_materials(fractions_file)
-        again = mesh_materials(fractions, thresholds=stored["thresholds"])
+        labels, differing = _label_again(fractions, stored)
+        again = mesh_materials(fractions, thresholds=stored["thresholds"], labels=labels)
         volumes = compare_volumes(
             measured, _known(volumes_of_geometry(fractions), measured), stored["volume_tolerance"]
         )
@@ -82,12 +85,39 @@ def check_materials(mesh_file: Path, *, checks: Literal["all"] | None = None) ->
             _same_file("fractions", fractions_file, stored),
             *_compare({**claims_of_fractions(again), "warnings": to_warnings(volumes)}, stored),
             _count_other_elements(mesh, regions, again, fractions.grid.cell_size),
+            *differing,
             *_check_geometry(path.parent, stored, fractions),
             *volumes,
         ]
     else:
         claims += _recorded(stored["warnings"], fractions_file.name)
     return judge_all(mesh, regions, measured, predicted, comparison=claims, checks=checks).verdict
+
+
+def _label_again(
+    fractions: MaterialFractions, stored: Mapping[str, Any]
+) -> tuple[Labels | None, list[Check]]:
+    """Return the materials of cells that differ from the base, and the check of their number."""
+    if "base" not in stored:
+        return None, []
+    wishes = [MaterialWish(**wish) for wish in stored["features"]]
+    try:
+        local = label_locally(fractions, stored["thresholds"], stored["base"], wishes)
+    except (TusqhError, IndexError) as reason:
+        found = f"cannot be repeated: {getattr(reason, 'found', 'a class does not exist')}"
+        labels = None
+    else:
+        found, labels = f"{local.n_changes:,}", local.labels
+    required = f"{stored['changed_cells']:,}"
+    return labels, [
+        Check(
+            id="certificate_changes",
+            name="certificate: cells that differ from the base",
+            found=found,
+            required=required,
+            holds=found == required,
+        )
+    ]
 
 
 def _known(volumes: dict[str, float], measured: Mapping[str, Any]) -> dict[str, float]:

@@ -13,6 +13,8 @@ from tusqh.contacts.score_field import score_field
 from tusqh.geometry.remark import Remark
 from tusqh.grid import doubled
 from tusqh.pipeline.materials.gather import Gathered
+from tusqh.settings.goal import Goal
+from tusqh.settings.materials import Material
 from tusqh.settings.model import Settings
 
 #: Number of materials that a remark lists.
@@ -78,6 +80,27 @@ def note_absent(
             )
         )
     return tuple(remarks)
+
+
+def note_scope(goal: Goal, wishes: Sequence[Material]) -> tuple[Remark, ...]:
+    """Return a remark if a scope is given, but no material has a target.
+
+    Parameters
+    ----------
+    goal
+        The scope and wishes for features.
+    wishes
+        The materials.
+
+    Returns
+    -------
+    remarks
+        One remark or none; it counts as "noted".
+    """
+    if goal.scope is None or goal.features or any(m.target is not None for m in wishes):
+        return ()
+    what = "setting without effect: `scope` applies only where a material has a target"
+    return (Remark("noted", what, 1, "remove it"),)
 
 
 def note_fit(settings: Settings) -> tuple[Remark, ...]:

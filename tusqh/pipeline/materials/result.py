@@ -14,12 +14,17 @@ import pandas as pd
 from tusqh.atomic import write_text
 from tusqh.contacts import MaterialFractions, MaterialMesh
 from tusqh.contacts.fractions_file import save_materials
-from tusqh.contacts.material_fractions import ALL, FULL
+from tusqh.contacts.material_fractions import ALL
+from tusqh.contacts.mesh import round_thresholds
 from tusqh.contacts.pairs import tabulate_pairs
 from tusqh.files import path_of
 from tusqh.geometry.remark import Remark
 from tusqh.grid import FloatArray
 from tusqh.hashing import canonical_json
+from tusqh.local_topology.local_labels import CHANGE_COLUMNS, LocalLabels
+from tusqh.local_topology.material_features import MaterialFeatures
+from tusqh.local_topology.material_prices import no_material_prices, tabulate_material_prices
+from tusqh.meshes.export import write_vtu
 from tusqh.meshes.formats import Export
 from tusqh.meshes.measure_regions import RegionMeasurement
 from tusqh.meshes.regions import Regions
@@ -47,6 +52,10 @@ MATERIAL_COLUMNS = (
 )
 
 
+#: Largest product of the numbers of cells and of materials for which `prices` has rows.
+MOST_PLACES = 500_000
+
+
 @dataclass(frozen=True, repr=False)
 class MaterialsResult:
     """A mesh of several materials with what led to it.
@@ -70,6 +79,10 @@ class MaterialsResult:
         Whether other programs check large meshes too, see `tusqh.settings.quality.Quality`.
     original
         The geometries of the materials; None: their fractions were given.
+    base
+        With the local scope: the threshold of every material at the base.
+    local
+        With the local scope: the material of every cell, and how it differs from the base.
     """
 
     built: MaterialMesh
@@ -80,6 +93,8 @@ class MaterialsResult:
     volume_tolerance: float = 0.05
     checks: Literal["all"] | None = None
     original: MaterialsOriginal | None = None
+    base: dict[str, float] | None = None
+    local: LocalLabels | None = None
 
     @property
     def mesh(self) -> VolumeMesh:
@@ -137,6 +152,27 @@ class MaterialsResult:
         """
         return tabulate_pairs(self.built, self.fractions, self.overlaps)
 
+    @property
+    def changes(self) -> pd.DataFrame:
+        """The cells that differ from the base, see `LocalLabels.changes`; empty without a base."""
+        if self.local is None:
+            dim = self.fractions.grid.dim
+            return pd.DataFrame(columns=[*CHANGE_COLUMNS, *"xyz"[:dim]])
+        return self.local.changes
+
+    @cached_property
+    def prices(self) -> pd.DataFrame:
+        """What it costs to open, cut or fill each class of each material, by itself, at the base.
+
+        See `tusqh.local_topology.material_prices.tabulate_material_prices`.  Where the grid has
+        more than `MOST_PLACES` cells for all materials together, no class has a price.
+        """
+        names = [name for name in self.names[:-1] if name in self.built.measured]
+        if self.fractions.grid.n_cells * len(names) > MOST_PLACES:
+            return no_material_prices(self.fractions.grid.dim)
+        base = round_thresholds(self.names, self.base or self.thresholds)
+        return tabulate_material_prices(MaterialFeatures(self.fractions, base, names))
+
     @cached_property
     def verdict(self) -> pd.DataFrame:
         """Every check of the mesh and of its materials, see `tusqh.quality.verdict.to_table`."""
@@ -184,8 +220,10 @@ class MaterialsResult:
 
     def _count_cells(self) -> dict[str, int]:
         """Return the number of grid cells that every material wins, and all of them together."""
-        multiples = np.array([self.thresholds[name] * FULL for name in self.names])
-        labels = self.fractions.label_cells(np.maximum(np.rint(multiples), 1).astype(np.int64))
+        if self.local is None:
+            labels = self.fractions.label_cells(round_thresholds(self.names, self.thresholds))
+        else:
+            labels = self.local.labels
         counts = np.bincount(labels.ravel(), minlength=len(self.names)).tolist()
         return {**dict(zip(self.names, counts, strict=True)), ALL: sum(counts[:-1])}
 
@@ -210,6 +248,9 @@ class MaterialsResult:
             "pairs": self.pairs.to_dict("records"),
             "contacts": self.built.n_contacts,
             "overruled": self.built.n_overruled,
+            "changes": self.changes.astype(object)
+            .where(self.changes.notna(), None)
+            .to_dict("records"),
             "checks": self.verdict.to_dict("records"),
             "remarks": [str(remark) for remark in self.remarks],
         }
@@ -241,6 +282,9 @@ class MaterialsResult:
     ) -> None:
         """Write all elements with their materials, see `tusqh.meshes.formats.write_mesh`.
 
+        With the local scope, the cell data `change` of VTU are 1 in cells with another material
+        than at the base.
+
         Parameters
         ----------
         path
@@ -253,7 +297,15 @@ class MaterialsResult:
         MeshError
             The suffix names no format.
         """
-        self.built.write(Path(path), self.export(element=element, layer=layer, sets=sets))
+        path = Path(path)
+        export = self.export(element=element, layer=layer, sets=sets)
+        if self.local is None or path.suffix != ".vtu":
+            self.built.write(path, export)
+            return
+        cell = self.mesh.grid_cell
+        is_changed = (self.local.labels != self.local.base).ravel()
+        change = np.where(cell >= 0, is_changed[cell], False).astype(np.float64)
+        write_vtu(path, self.mesh, cell_data={"change": change}, regions=self.regions)
 
     def save(self, folder: Path | str) -> None:
         """Write mesh, geometry, fractions, all tables and the certificate into a folder.
@@ -270,6 +322,8 @@ class MaterialsResult:
         save_materials(path_of("fractions", folder), self.fractions)
         for name in ("materials", "pairs", "elements", "verdict", "verification"):
             write_csv(path_of(name, folder), getattr(self, name))
+        write_csv(path_of("material_changes", folder), self.changes)
+        write_csv(path_of("material_prices", folder), self.prices)
         if self.original is not None:
             self.original.save(path_of("geometry", folder))
         certificate = make_certificate(
@@ -278,6 +332,8 @@ class MaterialsResult:
             name=self.mesh.name,
             volume_tolerance=self.volume_tolerance,
             original=self.original,
+            base=self.base,
+            wishes=() if self.local is None else self.local.wishes,
         )
         write_text(path_of("certificate", folder), canonical_json(certificate))
 

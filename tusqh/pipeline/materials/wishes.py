@@ -1,25 +1,37 @@
-"""Choose the thresholds of several materials so that each has the Betti numbers wished for.
+"""Give several materials the Betti numbers and features wished for.
 
 The materials with targets are taken in the user's order.  For each, the Betti numbers of its score
 field (`tusqh.contacts.score_field`) at every threshold give intervals with the target, the widest
 first, and the first one that is confirmed by the prediction of the mesh is taken.  As the choice
 changes the scores of the others, this is repeated until all wishes hold.
+
+With the local scope, the cells then keep the materials that they have at the base, the given
+thresholds, except where the topology needs others (`tusqh.local_topology.relabel`).  Targets that
+no thresholds reach, and wishes for features, are met by opening, cutting and filling single classes
+of the base (`tusqh.local_topology.material_features`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
 from tusqh.contacts import MaterialFractions, MaterialMesh, mesh_materials
+from tusqh.contacts.mesh import round_thresholds
 from tusqh.contacts.score_field import score_field
 from tusqh.errors import TopologyError
+from tusqh.local_topology.feature_cells import change_features
+from tusqh.local_topology.local_labels import LocalLabels, MaterialWish, label_locally, to_labels
+from tusqh.local_topology.material_features import MaterialDone, MaterialFeatures
+from tusqh.local_topology.name_features import find_wishes
+from tusqh.local_topology.solver import solve
+from tusqh.settings.features import Feature
 from tusqh.settings.goal import Target
 from tusqh.settings.materials import Material
-from tusqh.threshold.goals import distances, matches
+from tusqh.threshold.goals import distance_to, distances, matches
 from tusqh.topology.betti_numbers import BettiNumbers
 from tusqh.topology.topology import Topology
 
@@ -45,14 +57,27 @@ class Fulfilled:
         The mesh.
     thresholds
         Threshold of every material by name, the void included; only their ratios matter.
+    base
+        The thresholds of the base; None: all cells are those of `thresholds`.
+    local
+        The materials of cells near to the base; None: there is none.
     """
 
     mesh: MaterialMesh
     thresholds: dict[str, float]
+    base: dict[str, float] | None = None
+    local: LocalLabels | None = None
 
 
-def fulfil(fractions: MaterialFractions, wishes: Sequence[Material], *, name: str) -> Fulfilled:
-    """Return the mesh of materials with the thresholds and Betti numbers wished for.
+def fulfil(
+    fractions: MaterialFractions,
+    wishes: Sequence[Material],
+    *,
+    features: Sequence[Feature] = (),
+    is_local: bool = True,
+    name: str,
+) -> Fulfilled:
+    """Return the mesh of materials with the thresholds, Betti numbers and features wished for.
 
     Parameters
     ----------
@@ -60,6 +85,10 @@ def fulfil(fractions: MaterialFractions, wishes: Sequence[Material], *, name: st
         Fractions of all materials.
     wishes
         Materials with a threshold or a target; the others have the threshold 1.
+    features
+        Single features that are opened, cut or filled.
+    is_local
+        Whether the cells stay near those of the base.
     name
         Name of the mesh.
 
@@ -72,7 +101,75 @@ def fulfil(fractions: MaterialFractions, wishes: Sequence[Material], *, name: st
     thresholds = dict.fromkeys(fractions.names, 1.0)
     thresholds |= {w.name: w.threshold for w in wishes if w.threshold is not None}
     targets = {w.name: w.target for w in wishes if w.target is not None}
-    found = _predict(fractions, thresholds, name)
+    base = _predict(fractions, thresholds, name)
+    if features:
+        return _by_features(base, fractions, targets, features, name)
+    try:
+        found = _by_thresholds(base, fractions, targets, name)
+    except TopologyError as reason:
+        if not is_local:
+            raise
+        return _by_features(base, fractions, targets, (), name, reason=reason)
+    if not (is_local and targets):
+        return found
+    local = label_locally(fractions, found.thresholds, base.thresholds)
+    mesh = mesh_materials(fractions, thresholds=found.thresholds, labels=local.labels, name=name)
+    if mesh.predicted != found.mesh.predicted:
+        raise _changed(name)
+    return Fulfilled(mesh, found.thresholds, base.thresholds, local)
+
+
+def _by_features(
+    base: Fulfilled,
+    fractions: MaterialFractions,
+    targets: dict[str, Target],
+    features: Sequence[Feature],
+    name: str,
+    *,
+    reason: TopologyError | None = None,
+) -> Fulfilled:
+    """Return the mesh of a base with features opened, cut or filled, so that targets hold."""
+    named = {f.material for f in features} | set(targets)
+    if None in named or not named <= {*fractions.names[:-1]}:
+        named = set(fractions.names)  # The error lists all materials.
+    classes = MaterialFeatures(
+        fractions,
+        round_thresholds(fractions.names, base.thresholds),
+        [n for n in fractions.names[:-1] if n in named],
+    )
+    given = find_wishes(classes, features)
+    start = change_features(classes, given)
+    solution = solve(
+        classes, start, _distance(fractions, targets), frozenset(wish.row for wish in given)
+    )
+    if solution.distance > 0:
+        raise _unreachable(solution.done, fractions, targets, name, reason)
+    every = [*given, *(wish for wish, _ in solution.done.steps[len(start.steps) :])]
+    steps = tuple(
+        MaterialWish(str(about["material"]), int(about["row"]), do)
+        for about, do in ((classes.classes.iloc[row], do) for row, do in every)
+    )
+    local = to_labels(classes, change_features(classes, every), steps)
+    mesh = mesh_materials(fractions, thresholds=base.thresholds, labels=local.labels, name=name)
+    return Fulfilled(mesh, base.thresholds, base.thresholds, local)
+
+
+def _distance(
+    fractions: MaterialFractions, targets: dict[str, Target]
+) -> Callable[[tuple[int, ...]], float]:
+    """Return the sum of the distances of the Betti numbers of materials to their targets."""
+    one = [(fractions.names.index(k), distance_to(target)) for k, target in targets.items()]
+
+    def distance(betti: tuple[int, ...]) -> float:
+        return sum(of(tuple(betti[3 * k : 3 * k + 3])) for k, of in one)
+
+    return distance
+
+
+def _by_thresholds(
+    found: Fulfilled, fractions: MaterialFractions, targets: dict[str, Target], name: str
+) -> Fulfilled:
+    """Return the mesh for thresholds that give every target."""
     for _ in range(_ROUNDS):
         failed = [k for k, t in targets.items() if not _meets(found.mesh.predicted[k], t)]
         if not failed:
@@ -89,6 +186,40 @@ def fulfil(fractions: MaterialFractions, wishes: Sequence[Material], *, name: st
         expected="wishes that can be fulfilled together",
         remedy=f"leave out the wish for {failed[0]!r} or for one of "
         f"{', '.join(repr(k) for k in targets if k != failed[0])}, or use smaller cells",
+    )
+
+
+def _unreachable(
+    nearest: MaterialDone,
+    fractions: MaterialFractions,
+    targets: dict[str, Target],
+    name: str,
+    reason: TopologyError | None,
+) -> TopologyError:
+    """Return the error for targets that neither thresholds nor features reach."""
+    found = ", ".join(
+        f"{k!r} {BettiNumbers(*nearest.of(fractions.names.index(k)))}" for k in targets
+    )
+    wanted = ", ".join(f"{k!r} {target}" for k, target in targets.items())
+    expected = f"Betti numbers that can be reached; the nearest found with features are {found}"
+    return TopologyError(
+        f"no features opened, cut or filled at the base give {wanted}"
+        if reason is None
+        else f"{reason.found}, and no features opened, cut or filled at the base do",
+        where=f"materials of {name}",
+        expected=expected if reason is None else f"{expected}. By thresholds, {reason.expected}",
+        remedy="wish for these, name features (`--open`, `--cut`, `--fill`), whose prices are in "
+        "prices.csv, or use smaller cells",
+    )
+
+
+def _changed(name: str) -> TopologyError:
+    """Return the error for a topology that simple relabellings have changed."""
+    return TopologyError(
+        "other Betti numbers after simple relabellings of cells",
+        where=f"materials of {name}",
+        expected="the Betti numbers of the start",
+        remedy="this is a fault of tusqh: please report it with fractions.npz",
     )
 
 
