@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from tusqh.pipeline.materials.result import MaterialsResult
 
 
+#: Largest number of groups of changed cells that are printed.
+_MOST_CHANGES = 8
+
+
 @dataclass(frozen=True)
 class Shown:
     """What a command prints, and how it ends.
@@ -136,6 +140,12 @@ def _show(found: MaterialsResult, outputs: Sequence[Path]) -> None:
     show(rows, title=f"Materials of {found.mesh.name}")
     if len(found.pairs):
         show(found.pairs, title="Pairs")
+    for row in found.changes.head(_MOST_CHANGES).to_dict("records"):
+        wish = f", {row['do']} {row['class']} row {row['row']} of {row['material']}"
+        what = f"{row['cells']:,} cells from {row['from']} to {row['to']}"
+        typer.echo(f"changed  {what}{wish if row['do'] else ''}")
+    if len(found.changes) > _MOST_CHANGES:
+        typer.echo(f"changed  {len(found.changes) - _MOST_CHANGES} more groups, see changes.csv")
     for remark in found.remarks:
         typer.echo(str(remark))
     warned = found.verdict[found.verdict["holds"] == "warning"]

@@ -105,7 +105,8 @@ def mesh(
         cells of the one threshold that gives the topology, as in the paper.
     features
         Single features of the persistence diagram that are opened, cut or filled, such as
-        ``[{"near": (0, 0, 1), "class": "hole", "do": "fill"}, {"row": 3, "do": "cut"}]``.
+        ``[{"near": (0, 0, 1), "class": "hole", "do": "fill"}, {"row": 3, "do": "cut"}]``; of
+        several materials each names its own, as in ``{"material": "ring", "row": 3, ...}``.
     base
         With the local scope: that threshold, or ``"match"`` for the one whose cells have the
         volume of the geometry.

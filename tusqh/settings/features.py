@@ -31,7 +31,7 @@ class Feature(Section):
         "out, `fill` by adding some.",
     )
     row: int | None = setting(
-        "Row of the feature in `diagram.csv`, from 0.",
+        "Row of the feature in `diagram.csv`, from 0; of several materials in `prices.csv`.",
         default=None,
         otherwise="the one nearest to `near`",
         at_least=0,

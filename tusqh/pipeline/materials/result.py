@@ -299,7 +299,7 @@ class MaterialsResult:
         """
         path = Path(path)
         export = self.export(element=element, layer=layer, sets=sets)
-        if self.local is None or path.suffix != ".vtu":
+        if self.local is None or path.suffix != ".vtu" or not export.is_plain(self.mesh.dim):
             self.built.write(path, export)
             return
         cell = self.mesh.grid_cell
