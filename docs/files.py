@@ -76,6 +76,9 @@ def render_page(rules: list[Any]) -> str:
     for file in RESULT_FILES.values():
         if file.columns:
             text += f"| `{file.path}` | {', '.join(f'`{c}`' for c in file.columns)} |\n"
+        if file.columns_of_materials:
+            columns = ", ".join(f"`{c}`" for c in file.columns_of_materials)
+            text += f"| `{file.path}` of several materials | {columns} |\n"
     text += ALL_MODELS
     for file in TABLES_OF_ALL_MODELS:
         columns = ", ".join(f"`{column}`" for column in file.columns)

@@ -3,6 +3,7 @@
 import re
 import sys
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -24,6 +25,19 @@ def test_saved_tables_have_the_listed_columns(repository, tmp_path, source, dime
     for name in saved:
         columns = tuple(pd.read_csv(path_of(name, tmp_path), nrows=1).columns)
         assert columns == RESULT_FILES[name].columns_of(dimension), name
+
+
+def test_tables_of_several_materials_have_the_listed_columns(tmp_path):
+    labels = np.array([[1, 1, 0, 1, 2], [1, 1, 0, 1, 2]])
+    wish = {"material": "1", "row": 1, "do": "cut"}
+    found = tusqh.mesh(labels, materials="labels", features=[wish])
+    found.save(tmp_path)
+    tables = [file for file in RESULT_FILES.values() if file.columns_of_materials]
+    assert len(tables) == 2
+    for file in tables:
+        columns = pd.read_csv(tmp_path / file.path).columns
+        assert tuple(columns) == tuple(c for c in file.columns_of_materials if c != "z")
+    assert len(pd.read_csv(tmp_path / "changes.csv")) == 1
 
 
 def test_names_and_paths_are_unique():

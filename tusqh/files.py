@@ -24,12 +24,15 @@ class ResultFile:
         A sentence on the content of the file.
     columns
         Columns of a table, for a solid; an outline has no ``k`` and ``z``.
+    columns_of_materials
+        The columns of a model of several materials, if they are others.
     """
 
     name: str
     path: str
     sentence: str
     columns: tuple[str, ...] = ()
+    columns_of_materials: tuple[str, ...] = ()
 
     def columns_of(self, dimension: int) -> tuple[str, ...]:
         """Return the columns of the table for a geometry of a dimension.
@@ -150,9 +153,11 @@ _GEOMETRY_TO_SELECTION = (
         "prices",
         "prices.csv",
         "what it costs to open, cut or fill each class of the diagram at the base, by itself",
+        _columns("row class birth death do change cells volume", _BETTI, "possible why x y z"),
         _columns(
-            "row class birth death do change cells volume betti_0 betti_1 betti_2 possible why",
-            "x y z",
+            "material row class birth death do cells volume volumes",
+            _BETTI,
+            "others possible why x y z",
         ),
     ),
     ResultFile(
@@ -185,6 +190,7 @@ _MESH_TO_VERDICT = (
         "changes.csv",
         "with local scope: the cells that differ from those of the base, in groups",
         _columns("change cells volume smallest_fraction largest_fraction do class row x y z"),
+        _columns("from to cells volume do material class row x y z"),
     ),
     ResultFile(
         "certificate",
@@ -246,21 +252,6 @@ _MATERIALS = (
             "betti_0_predicted betti_1_predicted betti_2_predicted",
             "betti_0_measured betti_1_measured betti_2_measured",
             "manifold min_scaled_jacobian holds",
-        ),
-    ),
-    ResultFile(
-        "material_changes",
-        "changes.csv",
-        "of several materials, with local scope: the cells that differ from the base, in groups",
-        _columns("from to cells volume do material class row x y z"),
-    ),
-    ResultFile(
-        "material_prices",
-        "prices.csv",
-        "of several materials: what it costs to open, cut or fill each class, by itself",
-        _columns(
-            "material row class birth death do cells volume volumes",
-            "betti_0 betti_1 betti_2 others possible why x y z",
         ),
     ),
     ResultFile(

@@ -18,9 +18,10 @@ from tusqh.cli.app import app
 from tusqh.errors import ConfigError, TopologyError
 from tusqh.grid import BackgroundGrid
 from tusqh.hashing import canonical_json
+from tusqh.local_topology.changeable import Impossible
 from tusqh.local_topology.classes import list_classes
 from tusqh.local_topology.feature_cells import FeatureCellSets
-from tusqh.local_topology.features import Features, Impossible
+from tusqh.local_topology.features import Features
 from tusqh.local_topology.name_features import find_wishes
 from tusqh.local_topology.wishes import CUT, FILL, OPEN, Wish
 from tusqh.meshes.export import read_vtu

@@ -11,7 +11,8 @@ from tusqh.antialias.cells import CellSets
 from tusqh.errors import TopologyError
 from tusqh.local_topology.changeable import Changeable, Impossible, S
 from tusqh.local_topology.changes import ADDED, CHANGE_COLUMNS, LEFT_OUT, describe_group
-from tusqh.local_topology.features import Done, Features
+from tusqh.local_topology.done import Done
+from tusqh.local_topology.features import Features
 from tusqh.local_topology.move import LocalCells, approach
 from tusqh.local_topology.wishes import OPEN, Wish
 

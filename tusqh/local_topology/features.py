@@ -10,56 +10,22 @@ separated at all of them together, see `tusqh.local_topology.separate`.
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from dataclasses import replace
 
 import numpy as np
 
 from tusqh.antialias.cells import CellSets, label_with_bridges
 from tusqh.antialias.components import label_holes, label_kept
 from tusqh.contacts.one_material_contacts import find_contacts
-from tusqh.errors import ConfigError
-from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.grid import BoolArray, IntArray
 from tusqh.local_topology.changeable import Impossible
 from tusqh.local_topology.classes import list_classes
+from tusqh.local_topology.done import Done, Row
+from tusqh.local_topology.listed_classes import ListedClasses
 from tusqh.local_topology.one_change import Accepts, Event, change_class, undo_simple
 from tusqh.local_topology.separate import separate
 from tusqh.local_topology.wishes import CUT, FILL, OPEN, Wish
 from tusqh.local_topology.workspace import Workspace
-from tusqh.topology.betti_numbers import BettiNumbers
-
-
-class _Row(NamedTuple):
-    """A class as plain values, see `Features.classes`."""
-
-    dimension: int
-    birth: float
-    death: float
-    birth_place: int
-    death_place: int
-    is_there: bool
-
-
-@dataclass(frozen=True)
-class Done:
-    """Cells after some wishes.
-
-    Parameters
-    ----------
-    kept
-        Kept cells of the flat grid.
-    betti
-        Their Betti numbers.
-    there
-        Rows of the classes that are there.
-    steps
-        Each wish that changed cells, with the cells it changed, on the flat grid.
-    """
-
-    kept: BoolArray
-    betti: BettiNumbers
-    there: frozenset[int]
-    steps: tuple[tuple[Wish, IntArray], ...] = ()
 
 
 def _any_cells(kept: BoolArray) -> bool:
@@ -67,7 +33,7 @@ def _any_cells(kept: BoolArray) -> bool:
     return True
 
 
-class Features:
+class Features(ListedClasses):
     """The classes of the diagram at a base, each of which can be opened, cut or filled.
 
     Parameters
@@ -79,17 +45,14 @@ class Features:
     """
 
     def __init__(self, cell_sets: CellSets, base: float) -> None:
-        self.base = base
         self._cell_sets = cell_sets
-        self.grid = cell_sets.fractions.grid
         self.space = Workspace(cell_sets.at(base))
         table = list_classes(cell_sets.fractions, cell_sets.topology.pairs)
         is_there = (table["birth"] >= base) & (table["death"] < base)
-        #: The classes, see `tusqh.local_topology.classes.list_classes`, the threshold of the base,
-        #: and whether it has each one (`is_there`).
-        self.classes = table.assign(base=base, is_there=is_there)
-        columns = (self.classes[name].tolist() for name in _Row._fields)
-        self._rows = [_Row(*values) for values in zip(*columns, strict=True)]
+        classes = table.assign(base=base, is_there=is_there)
+        super().__init__(cell_sets.fractions.grid, classes, base)
+        columns = (self.classes[name].tolist() for name in Row._fields)
+        self._rows = [Row(*values) for values in zip(*columns, strict=True)]
 
     def on(self, kept: BoolArray, votes: BoolArray) -> Features:
         """Return the same classes for other cells, whose contacts have other votes.
@@ -106,93 +69,10 @@ class Features:
         other.space = Workspace(replace(start, kept=kept, contacts=contacts), votes)
         return other
 
-    @property
-    def where(self) -> str:
-        """The base, in words."""
-        return f"the threshold {self.base:.6g}"
-
-    def rows_of(self, material: str | None) -> IntArray:
-        """Return all rows; there is one material, which has no name.
-
-        Parameters
-        ----------
-        material
-            None.
-
-        Raises
-        ------
-        ConfigError
-            A material is named.
-        """
-        if material is not None:
-            raise ConfigError(
-                f"a wish for a feature of the material {material!r}",
-                where="features",
-                expected="wishes without a material, because there is only one",
-                remedy="leave the material out, or mesh several with `--materials`",
-            )
-        return np.arange(len(self.classes), dtype=np.int64)
-
-    def position(self, row: int) -> int:
-        """Return the dimension of a class, the place of its number in the Betti numbers.
-
-        Parameters
-        ----------
-        row
-            Row of the class.
-        """
-        return self._rows[row].dimension
-
-    def is_below(self, row: int) -> bool:
-        """Return whether a class begins below the base.
-
-        Parameters
-        ----------
-        row
-            Row of the class.
-        """
-        return self._rows[row].birth < self.base
-
     def start(self) -> Done:
         """Return the cells of the base."""
         start, rows = self.space.start, np.flatnonzero(self.classes["is_there"]).tolist()
         return Done(self.space.flatten(start.kept), start.predicted, frozenset(rows))
-
-    def describe(self, row: int) -> str:
-        """Return a class in words.
-
-        Parameters
-        ----------
-        row
-            Row of the class.
-        """
-        about = self.classes.iloc[row]
-        at = ", ".join(f"{about[axis]:.4g}" for axis in "xyz"[: self.grid.dim])
-        return (
-            f"row {row}: {about['class']} at ({at}), {about['birth']:.4g} to {about['death']:.4g}"
-        )
-
-    def nearest(self, row: int, done: Done, n: int = 3) -> list[int]:
-        """Return the rows of the classes nearest to another one that are there.
-
-        Parameters
-        ----------
-        row
-            Row of the other class.
-        done
-            The cells so far.
-        n
-            Largest number of rows.
-        """
-        points = self.points
-        rows = np.array(sorted(done.there - {row}), dtype=np.int64)
-        distance = ((points[rows] - points[row]) ** 2).sum(axis=1)
-        return [int(k) for k in rows[np.argsort(distance, kind="stable")[:n]]]
-
-    @property
-    def points(self) -> FloatArray:
-        """The points at which wishes look for the classes, shape (r, dim), in model units."""
-        return self.classes[[*"xyz"[: self.grid.dim]]].to_numpy(dtype=float)
 
     def apply(self, done: Done, wish: Wish) -> Done:
         """Return the cells after one more wish.

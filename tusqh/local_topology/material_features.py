@@ -21,9 +21,11 @@ from tusqh.contacts.label_contacts import find_votes, predict_labels
 from tusqh.contacts.material_fractions import MaterialFractions
 from tusqh.contacts.surround import surround
 from tusqh.errors import ConfigError
-from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.grid import BoolArray, IntArray
 from tusqh.local_topology.changeable import Impossible
-from tusqh.local_topology.features import Done, Features
+from tusqh.local_topology.done import Done
+from tusqh.local_topology.features import Features
+from tusqh.local_topology.listed_classes import LocatedClasses
 from tusqh.local_topology.one_of_many import OneOfMany
 from tusqh.local_topology.relabel import Labels
 from tusqh.local_topology.wishes import CUT, FILL, OPEN, Wish
@@ -58,11 +60,16 @@ class MaterialDone:
         ----------
         material
             Its number.
+
+        Returns
+        -------
+        betti
+            Three numbers.
         """
         return self.betti[3 * material : 3 * material + 3]
 
 
-class MaterialFeatures:
+class MaterialFeatures(LocatedClasses):
     """The classes of several materials at a base, each of which can be opened, cut or filled.
 
     Parameters
@@ -79,7 +86,7 @@ class MaterialFeatures:
         self, fractions: MaterialFractions, thresholds: IntArray, names: Sequence[str]
     ) -> None:
         self.fractions, self.thresholds = fractions, thresholds
-        self.grid, self.where = fractions.grid, "the base"
+        self.where = "the base"
         self.base = fractions.label_cells(thresholds)
         # A material without a cell has no class at the base that could be told from noise.
         present = [fractions.names.index(n) for n in names if n in fractions.names]
@@ -89,9 +96,8 @@ class MaterialFeatures:
             table = one.features.classes
             rows = np.arange(len(table), dtype=np.int64)
             tables.append(table.assign(number=k, material=fractions.names[k], row=rows))
-        #: The classes as in `Features.classes`, with the `material`, its `number`, and the `row`
-        #: of the class among those of its material.
-        self.classes = pd.concat(tables, ignore_index=True)
+        # The classes have the `material`, its `number`, and the `row` among those of the material.
+        super().__init__(fractions.grid, pd.concat(tables, ignore_index=True))
         self._first = dict(
             zip(self._many, np.cumsum([0, *map(len, tables)])[:-1].tolist(), strict=True)
         )
@@ -102,11 +108,6 @@ class MaterialFeatures:
         """Return the cells of the base."""
         there = frozenset(np.flatnonzero(self.classes["is_there"]).tolist())
         return MaterialDone(self.base, self._count(self.base), there)
-
-    @property
-    def points(self) -> FloatArray:
-        """The points at which wishes look for the classes, shape (r, dim), in model units."""
-        return self.classes[[*"xyz"[: self.grid.dim]]].to_numpy(dtype=float)
 
     def rows_of(self, material: str | None) -> IntArray:
         """Return the rows of the classes of a material, in the order in which wishes number them.
@@ -143,16 +144,6 @@ class MaterialFeatures:
         """
         return 3 * int(self.classes["number"][row]) + int(self.classes["dimension"][row])
 
-    def is_below(self, row: int) -> bool:
-        """Return whether a class begins below the base.
-
-        Parameters
-        ----------
-        row
-            Row of the class.
-        """
-        return bool(self.classes["birth"][row] < self.classes["base"][row])
-
     def describe(self, row: int) -> str:
         """Return a class in words.
 
@@ -163,22 +154,6 @@ class MaterialFeatures:
         """
         k, at = int(self.classes["number"][row]), int(self.classes["row"][row])
         return f"{self.fractions.names[k]}, {self._many[k].features.describe(at)}"
-
-    def nearest(self, row: int, done: MaterialDone, n: int = 3) -> list[int]:
-        """Return the rows of the classes nearest to another one that are there.
-
-        Parameters
-        ----------
-        row
-            Row of the other class.
-        done
-            The cells so far.
-        n
-            Largest number of rows.
-        """
-        rows = np.array(sorted(done.there - {row}), dtype=np.int64)
-        distance = ((self.points[rows] - self.points[row]) ** 2).sum(axis=1)
-        return [int(k) for k in rows[np.argsort(distance, kind="stable")[:n]]]
 
     def apply(self, done: MaterialDone, wish: Wish) -> MaterialDone:
         """Return the cells after one more wish.

@@ -163,8 +163,8 @@ class Goal(Section):
     )
     scope: Scope | None = setting(
         "With `target` or `persistence`, or targets of materials: `local` keeps the cells of the "
-        "threshold `base`, and adds and leaves out only those that the topology needs, each a row in "
-        "`changes.csv`; `global` keeps the cells of the one threshold that gives the topology, as "
+        "threshold `base`, and adds and leaves out only those that the topology needs (rows of "
+        "`changes.csv`); `global` keeps the cells of the one threshold that gives the topology, as "
         "in the paper.",
         default=None,
         otherwise="local",

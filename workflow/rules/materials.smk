@@ -4,7 +4,7 @@ rule materials:
         sources=sources_of_materials,
     output:
         **files("geometry", "mesh", "fractions", "elements", "verdict", "verification"),
-        **files("material_changes", "material_prices"),
+        **files("changes", "prices"),
         **shown("materials", "pairs", "certificate"),
     wildcard_constraints:
         model=NAMES_OF_ASSEMBLIES,

@@ -322,8 +322,8 @@ class MaterialsResult:
         save_materials(path_of("fractions", folder), self.fractions)
         for name in ("materials", "pairs", "elements", "verdict", "verification"):
             write_csv(path_of(name, folder), getattr(self, name))
-        write_csv(path_of("material_changes", folder), self.changes)
-        write_csv(path_of("material_prices", folder), self.prices)
+        write_csv(path_of("changes", folder), self.changes)
+        write_csv(path_of("prices", folder), self.prices)
         if self.original is not None:
             self.original.save(path_of("geometry", folder))
         certificate = make_certificate(
