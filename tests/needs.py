@@ -19,6 +19,7 @@ REMEDIES = {
     "chromium": "apt-get install chromium libatomic1 (or playwright install --with-deps chromium)",
     "pymeshlab": "apt-get install libgl1 libopengl0",
     "EGL": "apt-get install libegl1",
+    "ccx": "apt-get install calculix-ccx",
 }
 
 
