@@ -14,6 +14,8 @@ from tusqh.settings.model import Settings
 if TYPE_CHECKING:
     import pandas as pd
 
+    from tusqh.geometry.kinds import Surface
+
 #: At most this many intervals of the threshold are listed, the best ones.
 _ROWS = 10
 
@@ -41,10 +43,10 @@ def inspect(
 ) -> None:
     """Measure the defects of a geometry, and list the topologies it can be meshed with.
 
-    Nothing is repaired. The second table says for every interval of the threshold how many
-    components, holes and voids the mesh would have, and its volume over that of the geometry; ask
-    for one with tusqh mesh --betti. Wide intervals with the right volume come first; the one at
-    --threshold (1/2) is always listed.
+    Nothing is repaired. The second table says what would be inside by each --inside. The third
+    says for every interval of the threshold how many components, holes and voids the mesh would
+    have, and its volume over that of the geometry; ask for one with tusqh mesh --betti. Wide
+    intervals with the right volume come first; the one at --threshold (1/2) is always listed.
 
     For example:
 
@@ -52,6 +54,7 @@ def inspect(
 
     * `tusqh inspect bay.geojson --domain outside --cells 60,79 --all`
     """
+    from tusqh.geometry.image import Image
     from tusqh.pipeline.describe_reading import describe_reading, lines_of_reading
     from tusqh.pipeline.ingest import describe_geometry, read_source
     from tusqh.pipeline.sample import BASE_THRESHOLD, sample
@@ -69,6 +72,8 @@ def inspect(
     show(describe_geometry(found), title=f"Defects of {found.name}")
     if defects_only:
         return
+    if not isinstance(found, Image):
+        _show_insides(found, settings)
     with shown() as progress:
         fractions = sample(
             found,
@@ -92,6 +97,21 @@ def inspect(
     make_console().print(f"volume: of the kept cells over {source}; at: where t = {base:g} lies")
     if n_more:
         make_console().print(f"{n_more} more intervals are not shown; --all lists them")
+
+
+def _show_insides(geometry: Surface, settings: Settings) -> None:
+    """Show what each way to tell inside from outside gives."""
+    from tusqh.pipeline.insides import COARSE, compare_insides
+
+    table = compare_insides(geometry, settings)
+    chosen = settings.sampling
+    seal, thickness = chosen.seal or "half a cell", chosen.thickness or "one cell"
+    table = table.astype(object).fillna("")
+    show(table, title=f"What is inside, on {COARSE} cells along the longest side, at t = 1/2")
+    make_console().print(
+        f"--inside chooses; here {chosen.inside}. A ball {seal} wide makes the envelope (--seal), "
+        f"the shell is {thickness} thick (--thickness)"
+    )
 
 
 def _list_topologies(

@@ -15,6 +15,7 @@ from tusqh.grid import BackgroundGrid, FloatArray
 from tusqh.sampling.closing import close
 from tusqh.sampling.field import CrossingField
 from tusqh.sampling.fractions import VolumeFractions
+from tusqh.sampling.inside import field_of
 from tusqh.sampling.lattice import Box, Lattice
 from tusqh.sampling.orient import orient
 from tusqh.settings.sampling import Sampling
@@ -96,7 +97,7 @@ def find_reference(
     if isinstance(geometry, Image):
         return Reference(max(fractions.volume(), 0.0), "the grey values of the image")
     if sampling.inside != "winding":
-        return _of_made(fractions, sampling)
+        return _of_made(geometry, fractions, sampling, window)
     geometry = orient(geometry, sampling.orientation).geometry
     grid = fractions.grid
     lattice = _lattice(grid, fractions.samples, window)
@@ -145,15 +146,26 @@ def signed_volume(geometry: Surface) -> float:
     return float(np.einsum("mi,mi->m", a, np.cross(b, c)).sum() / 6)
 
 
-def _of_made(fractions: VolumeFractions, sampling: Sampling) -> Reference:
-    """Return the volume of samples in a made inside, or outside it."""
+def _of_made(
+    geometry: Surface, fractions: VolumeFractions, sampling: Sampling, window: Box | None
+) -> Reference:
+    """Return the volume of samples in a made inside, or outside it, on a finer lattice if any."""
+    grid, volume = fractions.grid, fractions.volume()
+    lattice = _lattice(grid, fractions.samples, window)
+    if lattice.step * fractions.samples < grid.cell_size * (1 - 1e-9):
+        made = field_of(geometry, sampling, grid.cell_size)
+        n = int(lattice.n_blocks[0])
+        rows = max(1, _SAMPLES // int(lattice.n_blocks[1] * lattice.n_blocks[2]))
+        parts = (made.sums(lattice, k, min(k + rows, n)) for k in range(0, n, rows))
+        n_inside = sum(float(part.sum()) for part in parts)
+        if sampling.domain == "outside":
+            n_inside = float(np.prod(lattice.last - lattice.first)) - n_inside
+        volume = n_inside * lattice.step**grid.dim
     what = "area" if fractions.grid.dim == 2 else "volume"
     names = {"union": "solids and shells"}
     name = names.get(sampling.inside, f"the {sampling.inside}")
     beyond = "outside " if sampling.domain == "outside" else ""
-    return Reference(
-        max(fractions.volume(), 0.0), f"the {what} {beyond or 'of '}{name}", is_made=True
-    )
+    return Reference(max(volume, 0.0), f"the {what} {beyond or 'of '}{name}", is_made=True)
 
 
 @dataclass(frozen=True)
