@@ -111,7 +111,7 @@ def test_arrays_in_the_plane_are_an_outline():
 def test_the_workflow_gives_the_same_files(built, tmp_path):
     """Processes that exchange files give the same results as one call in memory."""
     source = built / "data_sources/ring.stl"
-    result = tusqh.mesh(source, cells=12, betti=(1, 1), components={"min_cells": 2})
+    result = tusqh.mesh(source, unit="mm", cells=12, betti=(1, 1), components={"min_cells": 2})
     result.save(tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
     assert {"mesh.vtu", "certificate.json", "verdict.csv", "fractions.npz"} <= names

@@ -75,8 +75,10 @@ def add_model(
     """
     root = config_file.resolve().parent.parent
     (geometry,) = model.files
-    source = locate(geometry)
-    defects = describe_geometry(ingest(geometry, image=model.settings.image.to_dict()))
+    source, options = locate(geometry), model.settings
+    defects = describe_geometry(
+        ingest(geometry, image=options.image.to_dict(), lengths=options.lengths)
+    )
     file = _file_in(root, name, geometry, source)
     entry = _to_entry(replace(model, geometry=file))
     before = read_yaml(config_file)
@@ -106,7 +108,7 @@ def add_model(
 def _to_entry(model: Model) -> dict[str, Any]:
     """Return the block of a model: its grid, and the settings that are not defaults.
 
-    >>> _to_entry(Model(geometry="a.stl", unit="mm"))
+    >>> _to_entry(Model.from_dict({"geometry": "a.stl", "unit": "mm"}))
     {'geometry': 'a.stl', 'unit': 'mm', 'grid': {'cells': 64, 'placement': 'auto'}}
     """
     known = model.to_dict()

@@ -74,8 +74,8 @@ def test_a_model_is_added_and_comments_stay(project, add):
     assert code == 0, err
     text = (project / "config/config.yaml").read_text()
     block = (
-        "\n  bracket:\n    geometry: data_sources/bracket/part.stl\n    unit: mm\n"
-        "    grid: {cells: 64, placement: auto}\n"
+        "\n  bracket:\n    geometry: data_sources/bracket/part.stl\n"
+        "    grid: {cells: 64, placement: auto}\n    unit: mm\n"
         "    target: {betti_0: 1, betti_1: {max: 2, min: 0}}\n"
     )
     assert block in text

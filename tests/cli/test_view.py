@@ -51,7 +51,7 @@ def test_a_geometry_is_meshed_shown_and_opened(run, tmp_path):
     facts = facts_of(tmp_path / "plate.html")
     assert facts["name"] == "plate"
     assert facts["unit"] == "mm"
-    assert facts["command"]["before"] == "tusqh mesh plate.svg --cells 16"
+    assert facts["command"]["before"] == "tusqh mesh plate.svg --cells 16 --unit mm"
     assert dict(facts["head"])["its Betti numbers"] == "1, 1"
     assert facts["verdict"].startswith("suitable")
 
@@ -78,7 +78,7 @@ def test_a_result_folder_is_shown_as_it_is(run, tmp_path):
     facts = facts_of(page)
     assert facts["command"]["before"].startswith("tusqh mesh plate.svg --cells 12,")
     assert "--placement corner" in facts["command"]["before"]
-    assert facts["command"]["note"] == "domain, rule and orientation are not known here"
+    assert facts["command"]["note"] == "unit, domain, rule and orientation are not known here"
     # The command that the page shows makes the mesh that the page shows.
     words = f"{facts['command']['before']} --threshold {facts['chosen']['threshold']}".split()
     assert run(*words[1:], "-o", "again.vtu")[0] == 0

@@ -73,20 +73,13 @@ def test_every_voxel_is_where_directions_with_signs_and_permutations_put_it(tmp_
 
 
 @pytest.mark.parametrize(
-    ("directions", "message"),
-    [
-        (np.array([[0.8, 0.6, 0], [-0.6, 0.8, 0], [0, 0, 1]]), "not parallel"),
-        (np.array([[1.0, 0, 0], [1.0, 0, 0], [0, 0, 1]]), "not parallel"),
-        (np.zeros((3, 3)), "not parallel"),
-        (np.diag([1.0, 1.0, 2.0]), "1 x 1 x 2"),
-    ],
+    "directions", [np.array([[1.0, 0, 0], [1.0, 0, 0], [0, 0, 1]]), np.zeros((3, 3))]
 )
-def test_oblique_and_anisotropic_directions_are_refused(tmp_path, directions, message):
+def test_directions_that_do_not_span_the_space_are_refused(tmp_path, directions):
     header = {"space dimension": 3, "space directions": directions}
     nrrd.write(str(tmp_path / "a.nrrd"), chiral(), header, index_order="F")
-    with pytest.raises(GeometryError, match=message) as caught:
+    with pytest.raises(GeometryError, match="its axes have the directions"):
         read_file(tmp_path / "a.nrrd")
-    assert "resample" in caught.value.remedy
 
 
 def test_a_given_voxel_size_scales_the_origin_in_the_file(cases):
@@ -115,13 +108,16 @@ def test_a_mesh_of_an_image_is_at_its_place(cases):
 def test_imagej_and_ome_give_the_voxel_size(cases, name):
     reading = read_file(cases / "13_tiff_voxel_size" / name)
     assert solid_of(reading) == (N_SOLID, [0.5, 0.5, 0.5], [2.5, 2.0, 1.5])
-    assert "unit of length in the file: " in remarks_of(reading)
+    assert reading.unit in ("um", "mm")
 
 
-def test_anisotropic_voxels_of_a_tiff_are_refused(cases):
+def test_anisotropic_voxels_of_a_tiff_are_resampled(cases):
     path = cases / "13_tiff_voxel_size/t05_imagej_aniso.tif"
-    with pytest.raises(GeometryError, match=r"0\.25 x 0\.25 x 1"):
-        read_file(path)
+    reading = read_file(path)
+    assert reading.geometry.voxel_size == 0.25
+    assert "voxels of 0.25 x 0.25 x 1 resampled to cubes of 0.25" in remarks_of(reading)
+    volume = reading.geometry.fractions().sum() * 0.25**3
+    assert volume == pytest.approx(N_SOLID * 0.25**2)
     assert read_file(path, image={"voxel_size": 2}).geometry.voxel_size == 2
 
 
@@ -145,7 +141,7 @@ def test_anisotropic_voxels_of_a_tiff_are_refused(cases):
                 },
             },
             0.5,
-            "µm",
+            "um",
         ),
     ],
 )
@@ -153,7 +149,7 @@ def test_the_size_of_a_voxel_is_read_or_said_to_be_left_out(tmp_path, options, s
     tifffile.imwrite(tmp_path / "a.tif", chiral(), photometric="minisblack", **options)
     reading = read_file(tmp_path / "a.tif")
     assert reading.geometry.voxel_size == pytest.approx(size)
-    assert word in remarks_of(reading)
+    assert word in remarks_of(reading) or word == reading.unit
     assert np.array_equal(reading.geometry.voxels, chiral().transpose())
 
 
@@ -163,7 +159,7 @@ def test_the_size_of_a_voxel_is_read_or_said_to_be_left_out(tmp_path, options, s
         ({"resolution": (2, 1)}, "a pixel measures 0.5 x 1"),
         (
             {"imagej": True, "resolution": (4, 4), "metadata": {"axes": "ZYX", "unit": "um"}},
-            "0.25 x 0.25 x 1",
+            r"0.25 x 0.25 x \(not given\)",
         ),
         (
             {"ome": True, "metadata": {"axes": "ZYX", "PhysicalSizeX": 1, "PhysicalSizeY": 1}},

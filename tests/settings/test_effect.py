@@ -25,6 +25,7 @@ VALUES = {
     **{"voxels": "6,6,6", "voxel_order": "zyx"},
     **{"scope": "local", "base": "0.25", "open": ["0"], "cut": ["1"], "fill": ["hole@0,1"]},
     **{"checks": True, "fit": True, "inside": "union", "seal": "0.5", "thickness": "1 cell"},
+    **{"unit": "mm", "scale": "2", "convert_to": "m", "crs": "utm"},
     **{
         prefix + name: value
         for prefix in ("", "holes_", "voids_")
@@ -43,8 +44,8 @@ HOLES, VOIDS = ({name for name in VALUES if name.startswith(p)} for p in ("holes
 LOCAL = {"scope", "base"}  # They need a target or a persistence.
 WITHOUT_EFFECT = {
     "outline": IMAGES | VOIDS | LOCAL,
-    "surface": IMAGES | HOLES | LOCAL,
-    "image": SAMPLING | HOLES | LOCAL,
+    "surface": IMAGES | HOLES | LOCAL | {"crs"},
+    "image": SAMPLING | HOLES | LOCAL | {"crs"},
 }
 
 
@@ -83,7 +84,7 @@ def test_every_option_that_is_named_leaves_the_mesh_unchanged(kind):
     source, plain = geometry(kind), {"cells": 6, "name": "part"}
     expected = tusqh.mesh(source, **plain)
     assert not any("without effect" in str(remark) for remark in expected.report.remarks)
-    for option in sorted(WITHOUT_EFFECT[kind] - IMAGES - HOLES - VOIDS):
+    for option in sorted(WITHOUT_EFFECT[kind] - IMAGES - HOLES - VOIDS - {"crs"}):
         changed = given(option).to_dict(defaults=False)
         arguments = {entry: value for entry, value in changed.items() if entry in VALUES}
         found = tusqh.mesh(source, **plain, **arguments)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from plain_meshes import two_islands, unit_cube, unit_square
 
+from tusqh.geometry.units import METRES
 from tusqh.settings.simulation import Simulation
 from tusqh.simulate.diffusion import simulate_diffusion
-from tusqh.simulate.units import METRES
 
 STEPS = (0, 3, 6)
 

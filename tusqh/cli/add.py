@@ -20,7 +20,6 @@ def add(
     ] = None,
     *,
     settings: Settings,
-    unit: Annotated[str, typer.Option(help="Unit of length of the file.")] = "m",
     licence: Annotated[str, typer.Option(help="Licence of the file.")] = "unknown",
     origin: Annotated[str, typer.Option(help="Where the file comes from, in words.")] = "",
     url: Annotated[str, typer.Option(help="Address from which it can be downloaded.")] = "",
@@ -43,7 +42,7 @@ def add(
     from tusqh.add_model import add_model
 
     name = name or Path(geometry).stem
-    model = Model(geometry=geometry, unit=unit, settings=settings)
+    model = Model(geometry=geometry, settings=settings)
     block, row = add_model(config, name, model, licence=licence, origin=origin, url=url)
     console = make_console(markup=False, highlight=False)
     console.print(f"added to {config}:\n\n{block}")

@@ -56,14 +56,13 @@ def inspect(
     """
     from tusqh.geometry.image import Image
     from tusqh.pipeline.describe_reading import describe_reading, lines_of_reading
-    from tusqh.pipeline.ingest import describe_geometry, read_source
+    from tusqh.pipeline.ingest import describe_geometry
     from tusqh.pipeline.sample import BASE_THRESHOLD, sample
     from tusqh.pipeline.select import find_plateaus
-    from tusqh.pipeline.unused_settings import note_unused_settings
+    from tusqh.pipeline.unused_settings import read_with
     from tusqh.sampling.reference import find_reference
 
-    reading = read_source(geometry, image=settings.image.to_dict())
-    reading = note_unused_settings(reading, settings)
+    reading = read_with(geometry, settings)
     found = reading.geometry
     for title, text in lines_of_reading(describe_reading(reading)).items():
         typer.echo(f"{title:<5} {text}")

@@ -37,7 +37,6 @@ def view(
     ] = True,
     *,
     settings: Settings,
-    unit: Annotated[str, typer.Option(help="Unit of length of the geometry, for the axes.")] = "m",
 ) -> None:
     """Show a model at every threshold, in one page that needs only a browser.
 
@@ -56,17 +55,17 @@ def view(
         for word in to_words(settings):
             if word.startswith("--"):
                 typer.echo(f"noted: {word} has no effect, since the results exist already")
-        page = _from_folder(folder, output, unit)
+        page = _from_folder(folder, output)
     else:
         page = output or Path(folder.stem + ".html")
-        _write_from_geometry(page, source, unit, settings)
+        _write_from_geometry(page, source, settings)
     console = make_console(highlight=False, markup=False, soft_wrap=True)
     console.print(f"{page} ({page.stat().st_size / 1e6:.1f} MB)")
     if is_opened and not webbrowser.open(page.absolute().as_uri()):
         console.print("no browser was found: open that file in one")
 
 
-def _from_folder(folder: Path, output: Path | None, unit: str) -> Path:
+def _from_folder(folder: Path, output: Path | None) -> Path:
     """Return the page of a result folder; the workflow's is used if its inputs have not changed."""
     from tusqh.atomic import write_text
     from tusqh.explorer.files_read import FILES_OF_MATERIALS, FILES_READ
@@ -87,14 +86,14 @@ def _from_folder(folder: Path, output: Path | None, unit: str) -> Path:
             return made
     page = output or folder / "view.html"
     if is_several:
-        text = make_materials_page(read_materials_subject(folder, unit=unit))
+        text = make_materials_page(read_materials_subject(folder))
     else:
-        text = make_page(read_subject(folder, unit=unit))
+        text = make_page(read_subject(folder))
     write_text(page, text)
     return page
 
 
-def _write_from_geometry(page: Path, source: str, unit: str, settings: Settings) -> None:
+def _write_from_geometry(page: Path, source: str, settings: Settings) -> None:
     """Mesh a geometry and write its page."""
     from tusqh.atomic import require_writable, write_text
     from tusqh.explorer.page import make_page
@@ -105,5 +104,5 @@ def _write_from_geometry(page: Path, source: str, unit: str, settings: Settings)
     with shown() as progress:
         result = run_stages(source, settings, progress=progress)
         progress("explorer")
-        text = make_page(subject_of(result, geometry=source, unit=unit))
+        text = make_page(subject_of(result, geometry=source))
     write_text(page, text)

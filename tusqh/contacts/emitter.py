@@ -190,7 +190,8 @@ class Emitter:
         for start in range(0, len(used), _AT_A_TIME):
             some = slice(start, start + _AT_A_TIME)
             points[some] = self.grid.to_points(self._positions(used[some], added))
-        mesh = VolumeMesh(points=points, cells=cells, kind=kind, grid_cell=owner, name=name)
+        unit = self.grid.unit
+        mesh = VolumeMesh(points, cells, kind=kind, grid_cell=owner, name=name, unit=unit)
         return Emitted(mesh=mesh, material=material)
 
     def _positions(self, points: IndexArray, placed: FloatArray) -> FloatArray:

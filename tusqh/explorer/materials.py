@@ -23,6 +23,7 @@ from tusqh.explorer.page import assemble, to_rows
 from tusqh.figures.material_colours import colours_of
 from tusqh.figures.units import length_scale
 from tusqh.files import path_of
+from tusqh.geometry.units import ASSUMED
 from tusqh.geometry.upright import Axis
 from tusqh.grid import BackgroundGrid
 from tusqh.meshes.interfaces import find_junction_edges
@@ -72,15 +73,13 @@ def has_materials(folder: Path) -> bool:
     return path_of("materials", folder).is_file()
 
 
-def read_materials_subject(folder: Path, *, unit: str = "m", up: Axis = "z") -> MaterialsSubject:
+def read_materials_subject(folder: Path, *, up: Axis = "z") -> MaterialsSubject:
     """Return the subject in a result folder, which has the model's name.
 
     Parameters
     ----------
     folder
         The folder.
-    unit
-        Unit of length of the geometry.
     up
         Axis that points up.
 
@@ -104,7 +103,7 @@ def read_materials_subject(folder: Path, *, unit: str = "m", up: Axis = "z") -> 
     names = dict.fromkeys(("material", "first", "second"), str)
     return MaterialsSubject(
         name=name,
-        unit=unit,
+        unit=mesh.unit or ASSUMED,
         up=up,
         grid=load_materials(paths["fractions"]).grid,
         mesh=replace(mesh, name=name),

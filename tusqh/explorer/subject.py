@@ -16,6 +16,7 @@ from tusqh.explorer.files_read import FILES_READ, TABLES_SHOWN
 from tusqh.files import path_of
 from tusqh.geometry.canonical import load_geometry
 from tusqh.geometry.kinds import Geometry
+from tusqh.geometry.units import ASSUMED
 from tusqh.geometry.upright import Axis, upright_axis
 from tusqh.meshes.export import read_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
@@ -77,9 +78,7 @@ class Subject:
     tables: dict[str, pd.DataFrame]
 
 
-def subject_of(
-    result: Result, *, geometry: str, unit: str = "m", up: Axis | None = None
-) -> Subject:
+def subject_of(result: Result, *, geometry: str, up: Axis | None = None) -> Subject:
     """Return the explorer's subject for a meshing result.
 
     Parameters
@@ -88,15 +87,13 @@ def subject_of(
         The result of `tusqh.mesh`.
     geometry
         The geometry file, for the command.
-    unit
-        Its unit of length.
     up
         Axis that points up; None: as the format has it.
     """
     cells = result.built.resolved.cells
     return Subject(
         name=result.name,
-        unit=unit,
+        unit=result.mesh.unit or ASSUMED,
         up=upright_axis(geometry, up),
         command=mesh_command(geometry, result.settings, name=result.name),
         geometry=result.geometry,
@@ -120,7 +117,6 @@ def read_subject(
     folder: Path,
     *,
     geometry: str | None = None,
-    unit: str = "m",
     up: Axis | None = None,
     settings: Settings | None = None,
     fitted: bool | None = None,
@@ -133,8 +129,6 @@ def read_subject(
         The folder.
     geometry
         The geometry file, for the command; None: the name that the folder records.
-    unit
-        Its unit of length.
     up
         Axis that points up; None: as the format has it.
     settings
@@ -167,10 +161,11 @@ def read_subject(
         file, _known(chosen, fractions) if settings is None else settings, name=name
     )
     if settings is None:
-        command = replace(command, note="domain, rule and orientation are not known here")
+        command = replace(command, note="unit, domain, rule and orientation are not known here")
+    mesh = read_vtu(path_of("fitted", folder) if fitted else paths["mesh"], name=name)
     return Subject(
         name=name,
-        unit=unit,
+        unit=mesh.unit or ASSUMED,
         up=upright_axis(file, up),
         command=command,
         geometry=shape,
@@ -179,7 +174,7 @@ def read_subject(
         topologies=pd.read_csv(paths["topologies"]),
         diagram=pd.read_csv(paths["diagram"]),
         selection=Selection.from_dict(chosen),
-        mesh=read_vtu(path_of("fitted", folder) if fitted else paths["mesh"], name=name),
+        mesh=mesh,
         tables={table: pd.read_csv(paths[table]) for table in TABLES_SHOWN},
     )
 

@@ -69,6 +69,7 @@ def fit_hexes(
         kind=np.concatenate([mesh.kind, mesh.kind[covers]]),
         grid_cell=np.concatenate([mesh.grid_cell, mesh.grid_cell[covers]]),
         name=mesh.name,
+        unit=mesh.unit,
     )
     distances = measure_distances(new, target, rounds.is_owned)
     fell_back = pd.concat(regions, ignore_index=True)

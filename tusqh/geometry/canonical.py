@@ -6,8 +6,8 @@ Equal geometries give equal bytes.  The data in a file show which kind of geomet
 * a soup: triangles with cell data ``part``;
 * an image: the edges of its box, with the voxels as field data ``voxels``.
 
-All files hold the name of the geometry as field data.  This module imports no reader of other
-formats.
+All files hold the name of the geometry as field data, and its unit of length if it is known.
+This module imports no reader of other formats.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +57,8 @@ def write_geometry(path: Path, geometry: Geometry) -> None:
         data = _from_image(geometry)
     else:
         data = _from_soup(geometry)
+    if geometry.unit:
+        data.field_data["unit"] = [json.dumps(geometry.unit)]
     with replacing(path) as temporary:
         data.save(temporary, binary=True)
 
@@ -85,9 +88,12 @@ def load_geometry(path: Path) -> Geometry:
         )
     with _explaining(path):
         data = require("pyvista", extra="formats").read(path)
+        unit = str(json.loads(str(data.field_data["unit"][0]))) if "unit" in data.field_data else ""
         if _VOXELS in data.field_data:
-            return _to_image(data)
-        return _to_soup(data) if "part" in data.cell_data else _to_outline(data)
+            return replace(_to_image(data), unit=unit)
+        if "part" in data.cell_data:
+            return replace(_to_soup(data), unit=unit)
+        return replace(_to_outline(data), unit=unit)
 
 
 def _from_outline(outline: Outline) -> Any:

@@ -8,6 +8,8 @@ from typing import Generic, TypeVar
 
 import pandas as pd
 
+from tusqh.geometry.units import in_unit
+
 Facts = TypeVar("Facts")
 
 #: Units of measures: the model unit to a power, or none.
@@ -63,7 +65,9 @@ def defect(
     return decorate
 
 
-def tabulate_defects(defects: Sequence[Defect[Facts]], facts: Facts) -> pd.DataFrame:
+def tabulate_defects(
+    defects: Sequence[Defect[Facts]], facts: Facts, *, unit: str = ""
+) -> pd.DataFrame:
     """Return one row per kind of defect, found or not, in the order given.
 
     Parameters
@@ -72,12 +76,14 @@ def tabulate_defects(defects: Sequence[Defect[Facts]], facts: Facts) -> pd.DataF
         The kinds.
     facts
         The facts from which they are determined.
+    unit
+        Unit of length of the geometry; empty if it is not known.
 
     Returns
     -------
     pandas.DataFrame
         With the columns `DEFECT_COLUMNS`.
     """
-    rows = [(d.name, *d.find(facts), d.unit, d.explanation) for d in defects]
+    rows = [(d.name, *d.find(facts), in_unit(d.unit, unit), d.explanation) for d in defects]
     table = pd.DataFrame(rows, columns=DEFECT_COLUMNS)
     return table.astype({"count": "int64", "measure": "float64"})

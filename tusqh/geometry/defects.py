@@ -47,7 +47,7 @@ def describe_defects(geometry: Geometry) -> pd.DataFrame:
     (1, 0)
     """
     if isinstance(geometry, Image):
-        return tabulate_defects(VOXEL_COUNTS, VoxelFacts(geometry))
+        return tabulate_defects(VOXEL_COUNTS, VoxelFacts(geometry), unit=geometry.unit)
     if isinstance(geometry, Outline):
-        return tabulate_defects(OUTLINE_DEFECTS, OutlineFacts(geometry))
-    return tabulate_defects(SOUP_DEFECTS, SoupFacts(geometry))
+        return tabulate_defects(OUTLINE_DEFECTS, OutlineFacts(geometry), unit=geometry.unit)
+    return tabulate_defects(SOUP_DEFECTS, SoupFacts(geometry), unit=geometry.unit)

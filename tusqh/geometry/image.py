@@ -33,6 +33,8 @@ class Image:
         Lowest corner of voxel (0, 0, 0), in the units of the model.
     name
         Where it came from, for messages.
+    unit
+        Unit of length of the voxel size and the origin; empty if it is not known.
 
     Raises
     ------
@@ -53,6 +55,7 @@ class Image:
     full: float = 1.0
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
     name: str = "image"
+    unit: str = ""
 
     def __post_init__(self) -> None:
         if self.voxels.ndim != 3 or self.voxels.size == 0:

@@ -32,6 +32,8 @@ class Outline:
         None if the file has only chains.
     part_names
         Name of every part, empty for a part without one; none if the file has no names.
+    unit
+        Unit of length of the coordinates; empty if it is not known.
 
     Raises
     ------
@@ -45,6 +47,7 @@ class Outline:
     name: str = "outline"
     parts: IntArray | None = None
     part_names: tuple[str, ...] = ()
+    unit: str = ""
 
     def __post_init__(self) -> None:
         if len(self.segments) == 0:

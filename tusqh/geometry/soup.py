@@ -34,6 +34,8 @@ class Soup:
         Where it came from, for messages.
     part_names
         Name of every part, empty for a part without one; none if the file has no names.
+    unit
+        Unit of length of the coordinates; empty if it is not known.
 
     Raises
     ------
@@ -53,6 +55,7 @@ class Soup:
     parts: IntArray
     name: str = "soup"
     part_names: tuple[str, ...] = ()
+    unit: str = ""
 
     def __post_init__(self) -> None:
         if len(self.triangles) == 0:

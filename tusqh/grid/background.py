@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,8 @@ class BackgroundGrid:
         Edge length of a cell, in the units of the model.
     origin
         Lowest corner of the grid, in the units of the model.
+    unit
+        Unit of length of the model; empty if it is not known.
 
     Examples
     --------
@@ -40,6 +42,7 @@ class BackgroundGrid:
     shape: tuple[int, ...]
     cell_size: float
     origin: tuple[float, ...]
+    unit: str = field(default="", repr=False)
 
     def __post_init__(self) -> None:
         if len(self.shape) != len(self.origin) or len(self.shape) not in (2, 3):
@@ -80,9 +83,9 @@ class BackgroundGrid:
 
     def padded(self) -> BackgroundGrid:
         """Return the grid with one more layer of cells on every side."""
-        return BackgroundGrid(
+        return replace(
+            self,
             shape=tuple(n + 2 for n in self.shape),
-            cell_size=self.cell_size,
             origin=tuple(o - self.cell_size for o in self.origin),
         )
 
@@ -102,6 +105,7 @@ class BackgroundGrid:
             "shape": list(self.shape),
             "cell_size": self.cell_size,
             "origin": list(self.origin),
+            **({"unit": self.unit} if self.unit else {}),
         }
 
     @classmethod
@@ -111,12 +115,13 @@ class BackgroundGrid:
         Parameters
         ----------
         numbers
-            Shape, cell size and origin.
+            Shape, cell size and origin, and the unit if it is known.
         """
         return cls(
             shape=tuple(int(n) for n in numbers["shape"]),
             cell_size=float(numbers["cell_size"]),
             origin=tuple(float(o) for o in numbers["origin"]),
+            unit=str(numbers.get("unit", "")),
         )
 
     @classmethod

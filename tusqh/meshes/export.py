@@ -12,12 +12,16 @@ import numpy as np
 from tusqh.atomic import replacing
 from tusqh.errors import MeshError
 from tusqh.extras import require
+from tusqh.geometry.units import metres_in
 from tusqh.grid import FloatArray, IntArray
 from tusqh.grid.arrays import as_indices
 from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import KINDS, VolumeMesh
 
 _VTK_QUAD, _VTK_HEXAHEDRON = 9, 12
+
+#: Field data of VTU files with the size of a unit of length are called this and its name.
+UNIT = "unit of length "
 
 #: Field data of VTU files with the number of a material are called this and its name.
 NAME = "material "
@@ -37,7 +41,8 @@ def write_vtu(
 
     Every element carries `kind` (index into `tusqh.meshes.volume_mesh.KINDS`) and `grid_cell`.
     With regions it carries the number of its `material`, from 1, and the field data have the number
-    of each as ``material NAME``; the last one is the void.
+    of each as ``material NAME``; the last one is the void.  If the mesh has a unit of length, the
+    field data have its size in metres, 0 if that is not known, as ``unit of length NAME``.
 
     Parameters
     ----------
@@ -59,12 +64,15 @@ def write_vtu(
         out.cell_data["material"] = [regions.material + 1]
     with replacing(path) as temporary:
         meshio.vtu.write(temporary, out, binary=True)
-        if regions is not None:
-            names = enumerate(regions.names, start=1)
-            add_numbers(temporary, {NAME + name: number for number, name in names})
+        names = () if regions is None else regions.names
+        numbers: dict[str, float] = {NAME + n: number for number, n in enumerate(names, start=1)}
+        if mesh.unit:
+            numbers[UNIT + mesh.unit] = float(metres_in(mesh.unit) or 0.0)
+        if numbers:
+            add_numbers(temporary, numbers)
 
 
-def add_numbers(path: Path, numbers: Mapping[str, int]) -> None:
+def add_numbers(path: Path, numbers: Mapping[str, float]) -> None:
     """Add named numbers as field data to a VTU file; meshio writes no field data.
 
     An array of texts would be natural, but meshio cannot read files that have one.
@@ -77,8 +85,8 @@ def add_numbers(path: Path, numbers: Mapping[str, int]) -> None:
         The numbers by name.
     """
     arrays = "".join(
-        f'<DataArray type="Int64" Name={quoteattr(name)} NumberOfTuples="1" '
-        f'format="ascii">{number}</DataArray>'
+        f'<DataArray type="{"Int64" if isinstance(number, int) else "Float64"}" '
+        f'Name={quoteattr(name)} NumberOfTuples="1" format="ascii">{number!r}</DataArray>'
         for name, number in numbers.items()
     )
     content = path.read_bytes()
@@ -180,4 +188,5 @@ def read_vtu(path: Path, *, name: str | None = None) -> VolumeMesh:
         kind=kind.astype(np.int8),
         grid_cell=as_indices(grid_cell.astype(np.int64, copy=False)),
         name=name or path.stem,
+        unit=next((k.removeprefix(UNIT) for k in grid.field_data if k.startswith(UNIT)), ""),
     )

@@ -69,6 +69,7 @@ def extrude(mesh: VolumeMesh, sets: NamedSets, thickness: float) -> tuple[Volume
         kind=mesh.kind,
         grid_cell=mesh.grid_cell,
         name=mesh.name,
+        unit=mesh.unit,
     )
     facets = [_over(found, cells) for found in sets.facets]
     everywhere = np.arange(mesh.n_cells)

@@ -48,6 +48,8 @@ class VolumeMesh(ElementMesh):
         int32, or int64 where that is too small.
     name
         The model to which it belongs, for messages.
+    unit
+        Unit of length of the points; empty if it is not known.
     """
 
     points: FloatArray
@@ -55,6 +57,7 @@ class VolumeMesh(ElementMesh):
     kind: NDArray[np.int8]
     grid_cell: IndexArray
     name: str = "mesh"
+    unit: str = ""
 
     @cached_property
     def measurement(self) -> Measurement:
@@ -115,6 +118,7 @@ class VolumeMesh(ElementMesh):
             kind=self.kind[chosen],
             grid_cell=self.grid_cell[chosen],
             name=name,
+            unit=self.unit,
         )
 
     def points_in_space(self) -> FloatArray:

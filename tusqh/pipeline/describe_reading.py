@@ -23,7 +23,7 @@ _COUNTS = {
     "outline": (("chains", "segments", "points"), "open_ends"),
     "image": (("voxels_x", "voxels_y", "voxels_z"), ""),
 }
-_SOURCES = {"file": "stated by the file", "format": "fixed by the format"}
+_SOURCES = {"file": "stated by the file", "format": "fixed by the format", "settings": "as given"}
 
 
 def describe_reading(reading: Reading) -> dict[str, Any]:
@@ -39,8 +39,8 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
     dict
         ``name``, ``format``, ``kind``; ``counts`` of parts (chains), faces (segments) and points,
         or of voxels along each axis; ``box``, the lowest and the highest corner; ``unit`` with its
-        ``name`` (None if there is none) and ``source`` (file, format or none); ``closed`` (None
-        for images); and ``remarks``, each with effect, what, count and remedy.
+        ``name`` (None if there is none) and ``source`` (file, format, settings or none);
+        ``closed`` (None for images); and ``remarks``, each with effect, what, count and remedy.
 
     Examples
     --------

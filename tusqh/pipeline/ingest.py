@@ -13,13 +13,19 @@ from tusqh.geometry.image import Image
 from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.packaged import locate
 from tusqh.readers.files import read_file
+from tusqh.readers.lengths import with_lengths
 from tusqh.readers.memory import read_object
 from tusqh.readers.reading import Reading
 from tusqh.sampling.describe_winding import describe_winding
+from tusqh.settings.lengths import Lengths
 
 
 def ingest(
-    source: Any, *, name: str = "geometry", image: Mapping[str, Any] | None = None
+    source: Any,
+    *,
+    name: str = "geometry",
+    image: Mapping[str, Any] | None = None,
+    lengths: Lengths | None = None,
 ) -> Geometry:
     """Return the geometry from a file or from memory, without any repair.
 
@@ -34,6 +40,8 @@ def ingest(
         Name, in messages, of a geometry from memory.
     image
         For voxels: their size and the meaning of their values, see `tusqh.settings.voxels.Voxels`.
+    lengths
+        Unit, scale and conversion, see `tusqh.settings.lengths.Lengths`; None: as the file states.
 
     Raises
     ------
@@ -46,17 +54,21 @@ def ingest(
     >>> ingest(square).bounding_box()
     ((0.0, 0.0), (1.0, 1.0))
     """
-    return read_source(source, name=name, image=image).geometry
+    return read_source(source, name=name, image=image, lengths=lengths).geometry
 
 
 def read_source(
-    source: Any, *, name: str = "geometry", image: Mapping[str, Any] | None = None
+    source: Any,
+    *,
+    name: str = "geometry",
+    image: Mapping[str, Any] | None = None,
+    lengths: Lengths | None = None,
 ) -> Reading:
     """Return the geometry from a file or from memory, and remarks on omissions and changes.
 
     Parameters
     ----------
-    source, name, image
+    source, name, image, lengths
         See `ingest`.
 
     Returns
@@ -70,8 +82,9 @@ def read_source(
         The source is not of a kind that `ingest` accepts, or holds no valid geometry.
     """
     if isinstance(source, (str, Path)):
-        return read_file(locate(str(source)), image=image)
-    return Reading(read_object(source, name=name, image=image))
+        return read_file(locate(str(source)), image=image, lengths=lengths)
+    reading = Reading(read_object(source, name=name, image=image))
+    return with_lengths(reading, lengths or Lengths(), where=name)
 
 
 def describe_geometry(geometry: Geometry) -> pd.DataFrame:

@@ -82,7 +82,9 @@ def judge(
     except MissingExtraError:
         metrics = None
     verdict = to_table([*judge_mesh(mesh, predicted, metrics, scheme=scheme), *comparison])
-    return Judgement(summarise_metrics(pd.DataFrame() if metrics is None else metrics), verdict)
+    return Judgement(
+        summarise_metrics(pd.DataFrame() if metrics is None else metrics, unit=mesh.unit), verdict
+    )
 
 
 def judge_built(built: Built, fitted: Fit | None, quality: Quality) -> Judgement:

@@ -12,7 +12,6 @@ from tusqh.geometry.small_pieces import remarks_on_small_polygons
 from tusqh.pipeline.build import build, require_volume
 from tusqh.pipeline.describe_reading import describe_reading
 from tusqh.pipeline.fit import fit as fit_built
-from tusqh.pipeline.ingest import read_source
 from tusqh.pipeline.judge import judge_built
 from tusqh.pipeline.materials.mesh import has_several_materials, mesh_several
 from tusqh.pipeline.materials.result import MaterialsResult
@@ -20,7 +19,7 @@ from tusqh.pipeline.original import Original
 from tusqh.pipeline.persistence import find_persistence
 from tusqh.pipeline.result import Result
 from tusqh.pipeline.select import select
-from tusqh.pipeline.unused_settings import note_unused_settings
+from tusqh.pipeline.unused_settings import read_with
 from tusqh.progress import Progress, log_progress
 from tusqh.sampling.orient import orient
 from tusqh.settings.arguments import arguments_of, explains_unknown_arguments, from_arguments
@@ -65,6 +64,10 @@ def mesh(
     components: Mapping[str, Any] | None = None,
     holes: Mapping[str, Any] | None = None,
     voids: Mapping[str, Any] | None = None,
+    unit: str | None = None,
+    scale: float = 1.0,
+    convert_to: str | None = None,
+    crs: str | None = None,
     image: Mapping[str, float] | None = None,
     fit: bool = False,
     volume_tolerance: float = 0.05,
@@ -138,6 +141,16 @@ def mesh(
     components, holes, voids
         Criteria that these must meet to stay, such as ``{"min_cells": 4}``, see
         `tusqh.settings.policy.Criteria`.
+    unit
+        Unit of length of the numbers in the source, such as ``"mm"``; a file that states another
+        one is rejected.
+    scale
+        Factor by which all lengths in the source are multiplied.
+    convert_to
+        Unit of length into which the geometry is converted, and in which the mesh is.
+    crs
+        Coordinate system into which a map is projected: ``"utm"``, a code such as
+        ``"EPSG:32618"``, or ``"none"`` if its coordinates are lengths.
     image
         For voxels: ``{"voxel_size": 0.1, "empty": 0, "full": 255}``, see
         `tusqh.settings.voxels.Voxels`.
@@ -218,8 +231,7 @@ def run_stages(
     if name is None:
         name = Path(source).stem if isinstance(source, (str, Path)) else "model"
     progress("reading")
-    reading = read_source(source, name=name, image=settings.image.to_dict())
-    reading = note_unused_settings(reading, settings)
+    reading = read_with(source, settings, name=name)
     geometry = reading.geometry
     original = Original(
         geometry,

@@ -4,13 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 from tusqh.geometry.image import Image
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.remark import Remark
+from tusqh.pipeline.ingest import read_source
 from tusqh.readers.reading import Reading
 from tusqh.settings.effect import find_without_effect
 from tusqh.settings.model import Settings
+
+
+def read_with(source: Any, settings: Settings, *, name: str = "geometry") -> Reading:
+    """Return the reading of a source with the settings for it, and remarks on unused settings.
+
+    Parameters
+    ----------
+    source
+        The geometry, see `tusqh.pipeline.ingest.ingest`.
+    settings
+        The given settings.
+    name
+        Name, in messages, of a geometry from memory.
+    """
+    image, lengths = settings.image.to_dict(), settings.lengths
+    reading = read_source(source, name=name, image=image, lengths=lengths)
+    return note_unused_settings(reading, settings)
 
 
 def note_unused_settings(reading: Reading, settings: Settings) -> Reading:

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from tusqh.extras import require
+from tusqh.geometry.units import in_unit
 from tusqh.meshes.volume_mesh import VolumeMesh
 
 #: Our column names, VTK's names, and units, by dimension.
@@ -66,13 +67,15 @@ def element_metrics(mesh: VolumeMesh) -> pd.DataFrame:
     return table.where(np.isfinite(table))
 
 
-def summarise_metrics(metrics: pd.DataFrame) -> pd.DataFrame:
+def summarise_metrics(metrics: pd.DataFrame, *, unit: str = "") -> pd.DataFrame:
     """Return one row per metric: minimum, 1 % quantile, median, mean, maximum and unit.
 
     Parameters
     ----------
     metrics
         The table of `element_metrics`.
+    unit
+        Unit of length of the mesh; empty if it is not known.
     """
     rows = [
         {
@@ -82,7 +85,7 @@ def summarise_metrics(metrics: pd.DataFrame) -> pd.DataFrame:
             "median": column.median(),
             "mean": column.mean(),
             "max": column.max(skipna=False),
-            "unit": _UNITS[str(name)],
+            "unit": in_unit(_UNITS[str(name)], unit),
         }
         for name, column in metrics.items()
     ]

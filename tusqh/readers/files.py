@@ -7,21 +7,25 @@ from collections.abc import Mapping
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from tusqh.errors import GeometryError, TusqhError, one_line
 from tusqh.extras import require
 from tusqh.readers.formats import find_format, suffixes_of
 from tusqh.readers.gate import check_file
-from tusqh.readers.reading import Reading
+from tusqh.readers.lengths import with_lengths
+from tusqh.readers.reading import Reading, UnitSource
 from tusqh.readers.voxels import require_stated_shape
 from tusqh.settings.field import entries_of
+from tusqh.settings.lengths import Lengths
 from tusqh.settings.voxels import Voxels
 
 _IMAGE_OPTIONS = tuple(entry.name for entry in entries_of(Voxels))
 
 
-def read_file(path: Path, *, image: Mapping[str, Any] | None = None) -> Reading:
+def read_file(
+    path: Path, *, image: Mapping[str, Any] | None = None, lengths: Lengths | None = None
+) -> Reading:
     """Read a geometry file.
 
     Nothing is repaired, snapped, closed or merged.
@@ -32,6 +36,8 @@ def read_file(path: Path, *, image: Mapping[str, Any] | None = None) -> Reading:
         The file; its suffix names the format, see `tusqh.readers.formats.FORMATS`.
     image
         The meaning of an image's voxels, see `tusqh.settings.voxels.Voxels`.
+    lengths
+        Unit, scale and conversion of its lengths; None: as the file states.
 
     Returns
     -------
@@ -43,11 +49,11 @@ def read_file(path: Path, *, image: Mapping[str, Any] | None = None) -> Reading:
     GeometryError
         The file is missing, is not a regular file, has a format that contradicts its suffix, does
         not fit in memory, or is damaged; the geometry is empty, without extent or not finite; or
-        `image` is given for a file that is not an image.
+        `image` is given for a file that is not an image; or units contradict each other.
     MissingExtraError
         The library that reads the format is not installed.
     """
-    found = find_format(str(path))
+    found, lengths = find_format(str(path)), lengths or Lengths()
     _check_options(path, image or {}, is_image=found.kind == "image")
     if found.module != "spn":
         require_stated_shape(image or {}, where=str(path))
@@ -57,7 +63,9 @@ def read_file(path: Path, *, image: Mapping[str, Any] | None = None) -> Reading:
     reader = import_module(f"tusqh.readers.{found.module}")
     try:
         is_image = found.kind == "image"
-        options = {"meaning": Voxels(**(image or {}))} if is_image else {}
+        options: dict[str, Any] = {"meaning": Voxels(**(image or {}))} if is_image else {}
+        if found.is_map:
+            options["crs"] = lengths.crs
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # Remarks, not warnings of libraries, inform the user.
             reading: Reading = reader.read(path, **options)
@@ -71,8 +79,9 @@ def read_file(path: Path, *, image: Mapping[str, Any] | None = None) -> Reading:
             remedy="open it in the program that wrote it and export it again",
         ) from error
     unit = reading.unit or found.unit
-    source: Literal["file", "format", "none"] = "file" if reading.unit else "format"
-    return replace(reading, format=found.name, unit=unit, unit_source=source if unit else "none")
+    source: UnitSource = "file" if reading.unit else "format"
+    reading = replace(reading, format=found.name, unit=unit, unit_source=source if unit else "none")
+    return with_lengths(reading, lengths, where=str(path))
 
 
 def _check_options(path: Path, image: Mapping[str, Any], *, is_image: bool) -> None:

@@ -29,6 +29,8 @@ class Format:
         The extra of tusqh that installs this library.
     unit
         The unit of length that the format fixes; empty if files may state one or none.
+    is_map
+        Whether coordinates may be longitudes and latitudes.
     growth
         Measured number of bytes of memory that reading needs for each byte of a file; the readers
         of compressed images make better estimates.
@@ -41,15 +43,18 @@ class Format:
     library: str | None = None
     extra: str | None = None
     unit: str = ""
+    is_map: bool = False
     growth: float = 1.0
 
 
 # fmt: off
 #: All formats, in the order in which messages list them.
 FORMATS = (
-    Format("GeoJSON", (".geojson", ".json"), "outline", "geojson", growth=8),
+    Format("GeoJSON", (".geojson", ".json"), "outline", "geojson", is_map=True, growth=8),
     Format("SVG", (".svg",), "outline", "svg", "svgpathtools", "formats", growth=16),
-    Format("shapefile", (".shp",), "outline", "shp", "shapefile", "formats", growth=8),
+    Format(
+        "shapefile", (".shp",), "outline", "shp", "shapefile", "formats", is_map=True, growth=8
+    ),
     Format("DXF", (".dxf",), "outline", "dxf", "ezdxf", "formats", growth=10),
     Format("CSV of segments", (".csv",), "outline", "segments", growth=12),
     Format("STL", (".stl",), "surface", "stl", growth=6),

@@ -15,7 +15,9 @@ import numpy as np
 
 from tusqh.errors import GeometryError
 from tusqh.grid import FloatArray
+from tusqh.readers.places import crs_in_json
 from tusqh.readers.polygons_of_maps import Map, reading_of_map
+from tusqh.readers.project import to_plane
 from tusqh.readers.reading import Reading
 
 #: Nesting depth of the coordinate lists of each type.
@@ -32,13 +34,15 @@ _DEPTHS = {
 _LISTS = {1: "a position", 2: "a line or ring", 3: "a polygon"}
 
 
-def read(path: Path) -> Reading:
+def read(path: Path, *, crs: str | None = None) -> Reading:
     """Read every ring, or every line if there are no rings, in file order.
 
     Parameters
     ----------
     path
         The file.
+    crs
+        Coordinate system into which it is projected, see `tusqh.readers.project.to_plane`.
 
     Returns
     -------
@@ -56,7 +60,10 @@ def read(path: Path) -> Reading:
     document = json.loads(path.read_text(encoding="utf-8-sig"))
     found = Map()
     _collect(document, found, path, "the file")
-    return reading_of_map(found, name=path.name)
+    projected = to_plane(found, crs_in_json(document), crs, where=str(path))
+    return reading_of_map(
+        projected.map, name=path.name, unit=projected.unit, remarks=projected.remarks
+    )
 
 
 def _collect(item: Any, found: Map, path: Path, place: str) -> None:

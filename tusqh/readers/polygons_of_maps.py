@@ -104,7 +104,9 @@ class Map:
         self.feature_of.append(len(self.features) - 1)
 
 
-def reading_of_map(found: Map, *, name: str) -> Reading:
+def reading_of_map(
+    found: Map, *, name: str, unit: str = "", remarks: Sequence[Remark] = ()
+) -> Reading:
     """Return the outline of a map, with remarks.
 
     The place of a ring in its polygon determines its direction, self-crossing rings enclose their
@@ -117,32 +119,37 @@ def reading_of_map(found: Map, *, name: str) -> Reading:
         The map.
     name
         The name of the file.
+    unit
+        Unit of length of its coordinates; empty if it is not known.
+    remarks
+        Remarks of the reader.
 
     Raises
     ------
     GeometryError
         The outline is empty, without extent or not finite.
     """
-    remarks = [Remark("left out", "points", found.n_points)] if found.n_points else []
+    said = list(remarks)
+    said += [Remark("left out", "points", found.n_points)] if found.n_points else []
     if not any(len(ring) > 2 for ring in found.rings):
         chains, of_lines = join_loose([*found.rings, *found.lines])
-        return Reading(Outline.from_chains(chains, name=name), (*remarks, *of_lines))
+        return Reading(Outline.from_chains(chains, name=name), (*said, *of_lines), unit=unit)
     if found.lines:
         what = "lines beside polygons"
-        remarks.append(Remark("left out", what, len(found.lines), "they bound no area"))
+        said.append(Remark("left out", what, len(found.lines), "they bound no area"))
     n_open = sum(len(ring) > 0 and not is_closed(ring) for ring in found.rings)
     if n_open:
-        remarks.append(Remark("noted", "polygon rings that do not end where they start", n_open))
+        said.append(Remark("noted", "polygon rings that do not end where they start", n_open))
     if not all(np.isfinite(ring).all() for ring in found.rings):
-        return Reading(Outline.from_chains(found.rings, name=name), tuple(remarks))
+        return Reading(Outline.from_chains(found.rings, name=name), tuple(said), unit=unit)
     rings, sides, features, of_rings = _resolve(found)
     chains, n_turned = settle(rings, sides)
-    remarks += [*of_rings, *turned_remark(n_turned), *count_copies(rings, sides)]
+    said += [*of_rings, *turned_remark(n_turned), *count_copies(rings, sides)]
     outline = Outline.from_chains(chains, name=name)
     if found.features:
         parts = np.array(features, dtype=np.int64)[outline.chains]
         outline = replace(outline, parts=parts, part_names=tuple(found.features))
-    return Reading(outline, tuple(remarks))
+    return Reading(outline, tuple(said), unit=unit)
 
 
 def _resolve(found: Map) -> tuple[list[FloatArray], list[int], list[int], list[Remark]]:

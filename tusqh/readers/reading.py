@@ -8,6 +8,9 @@ from typing import Literal
 from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.remark import Remark
 
+#: Where the unit of length of a reading comes from.
+UnitSource = Literal["file", "format", "settings", "none"]
+
 
 @dataclass(frozen=True)
 class Reading:
@@ -20,9 +23,9 @@ class Reading:
     remarks
         Remarks on what was left out, changed or noted, in the order of the file.
     unit
-        Unit of length that the file states or that its format fixes; empty if there is none.
+        Unit of length of the geometry; empty if it is not known.
     unit_source
-        Source of the unit: "file", "format" or, if there is no unit, "none".
+        Source of the unit: "file", "format", "settings" or, if there is no unit, "none".
     format
         Name of the format, see `tusqh.readers.formats.FORMATS`.
     """
@@ -30,5 +33,5 @@ class Reading:
     geometry: Geometry
     remarks: tuple[Remark, ...] = ()
     unit: str = ""
-    unit_source: Literal["file", "format", "none"] = "none"
+    unit_source: UnitSource = "none"
     format: str = "memory"

@@ -10,15 +10,18 @@ import numpy as np
 import shapefile
 
 from tusqh.grid import FloatArray
+from tusqh.readers.places import NOT_STATED, CoordinateSystem, system_of_wkt
 from tusqh.readers.polygons_of_maps import Map, reading_of_map
+from tusqh.readers.project import to_plane
 from tusqh.readers.reading import Reading
 from tusqh.readers.rings import even_odd_sides, regions_of
 
 
-def read(path: Path) -> Reading:
+def read(path: Path, *, crs: str | None = None) -> Reading:
     """Read every ring and line as a chain, in file order.
 
-    Only the ``.shp`` file is read, neither its table nor its coordinate system; points and empty
+    The ``.prj`` file beside the ``.shp`` file states the coordinate system; the table of the
+    shapes is not read.  Points and empty
     shapes have no lines and are skipped; z and m are dropped.  A ring is a hole if it lies inside
     an odd number of other rings of its shape, regardless of its direction.
 
@@ -26,6 +29,8 @@ def read(path: Path) -> Reading:
     ----------
     path
         The file.
+    crs
+        Coordinate system into which it is projected, see `tusqh.readers.project.to_plane`.
 
     Returns
     -------
@@ -48,7 +53,17 @@ def read(path: Path) -> Reading:
     for number, shape in enumerate(shapes):
         found.begin_feature("")
         _add(shape, found, f"shape {number}")
-    return reading_of_map(found, name=path.name)
+    projected = to_plane(found, _system_of(path), crs, where=str(path))
+    return reading_of_map(
+        projected.map, name=path.name, unit=projected.unit, remarks=projected.remarks
+    )
+
+
+def _system_of(path: Path) -> CoordinateSystem:
+    """Return the coordinate system in the file beside a shapefile."""
+    beside = [path.with_suffix(suffix) for suffix in (".prj", ".PRJ")]
+    texts = [file.read_text("utf-8", errors="replace") for file in beside if file.is_file()]
+    return system_of_wkt(texts[0]) if texts else NOT_STATED
 
 
 def _add(shape: Any, found: Map, place: str) -> None:

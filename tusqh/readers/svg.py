@@ -12,12 +12,14 @@ import shapely
 
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.remark import Remark
+from tusqh.geometry.units import scaled
 from tusqh.grid import FloatArray
 from tusqh.readers.curves import CHORD_TOLERANCE
 from tusqh.readers.loose import join_loose
 from tusqh.readers.paint import paint, unite
 from tusqh.readers.reading import Reading
 from tusqh.readers.rings import is_closed, settle
+from tusqh.readers.svg_frame import unit_of_root
 from tusqh.readers.svg_shapes import flatten
 from tusqh.readers.svg_tree import Clip, Shape, Walk
 
@@ -27,8 +29,9 @@ def read(path: Path) -> Reading:
 
     Every element paints its area by its own fill rule, and the drawing is their union; rings
     without overlaps keep their points.  Straight lines are kept exactly; curves become chords that
-    stay within `CHORD_TOLERANCE` of them.  Coordinates are in user units of the root element.  The
-    y axis of SVG points down, so the sign of y is changed to keep the picture upright.  A path
+    stay within `CHORD_TOLERANCE` of them.  If `width` or `height` of the root is in a real
+    unit, coordinates are in that unit, otherwise in user units of the root.  The y axis of SVG
+    points down, so the sign of y is changed to keep the picture upright.  A path
     without ``Z`` stays open.  Remarks list elements that are not painted, and text, images and
     everything else that is not read.
 
@@ -49,13 +52,14 @@ def read(path: Path) -> Reading:
     GeometryError
         The outline is empty, without extent or not finite.
     """
-    walk = Walk(ElementTree.parse(path).getroot())
+    root = ElementTree.parse(path).getroot()
+    walk, (size, unit) = Walk(root), unit_of_root(root)
     subpaths = [subpath for shape in walk.shapes for subpath in shape.subpaths]
     rough = [flatten(subpath, np.inf) for subpath in subpaths]
     extent = float(np.ptp(np.concatenate(rough), axis=0).max()) if rough else 0.0
     chains, remarks = _chains_of(walk.shapes, CHORD_TOLERANCE * extent)
-    outline = Outline.from_chains(chains, name=path.name)
-    return Reading(outline, (*walk.remarks(), *remarks))
+    outline = scaled(Outline.from_chains(chains, name=path.name), size, unit=unit)
+    return Reading(outline, (*walk.remarks(), *remarks), unit=unit)
 
 
 def _chains_of(shapes: list[Shape], tolerance: float) -> tuple[list[FloatArray], list[Remark]]:

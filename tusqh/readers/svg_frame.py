@@ -15,6 +15,9 @@ from tusqh.grid import FloatArray
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _UNITS = {"": 1.0, "px": 1.0, "in": 96.0, "cm": 96 / 2.54, "mm": 96 / 25.4, "q": 96 / 101.6}
 _UNITS |= {"pt": 96 / 72, "pc": 16.0, "em": 16.0, "rem": 16.0, "ex": 8.0}
+#: Real lengths: how many of the second unit one of the first is.
+_REAL = {"mm": (1.0, "mm"), "cm": (1.0, "cm"), "in": (1.0, "in"), "q": (0.25, "mm")}
+_REAL |= {"pt": (1 / 72, "in"), "pc": (1 / 6, "in")}
 _ANGLES = {"": 1.0, "deg": 1.0, "rad": 180 / math.pi, "grad": 0.9, "turn": 360.0}
 _KEYWORDS = {"left": 0.0, "top": 0.0, "center": 0.5, "right": 1.0, "bottom": 1.0}
 
@@ -81,6 +84,39 @@ def viewport_of(element: Element, outer: Viewport) -> Viewport:
         return Viewport()
     size = outer.length(width or "100%", 0), outer.length(height or "100%", 1)
     return Viewport((0.0, 0.0), size)
+
+
+def unit_of_root(element: Element) -> tuple[float, str]:
+    """Return the length of a user unit of the root element, and the unit of that length.
+
+    Parameters
+    ----------
+    element
+        The root.
+
+    Returns
+    -------
+    size, unit
+        The length in millimetres, centimetres or inches; 1 and an empty unit if `width` and
+        `height` are pixels, percentages or missing.
+    """
+    box, sizes, unit = numbers_in(element.get("viewBox", "")), [], ""
+    for axis, key in enumerate(("width", "height")):
+        match = re.fullmatch(rf"\s*({_NUMBER})\s*([a-zA-Z]+)\s*", element.get(key, ""))
+        if match is None or match[2].lower() not in _REAL or float(match[1]) <= 0:
+            continue
+        per_real, real = _REAL[match[2].lower()]
+        unit = unit or real
+        if real != unit:  # The other side has the same length in another unit.
+            continue
+        if len(box) != 4:
+            sizes.append(1 / _UNITS[unit])  # A user unit is a pixel.
+        elif box[2 + axis] > 0:
+            sizes.append(float(match[1]) * per_real / box[2 + axis])
+    if not sizes:
+        return 1.0, ""
+    is_slice = "slice" in element.get("preserveAspectRatio", "")
+    return (max(sizes) if is_slice else min(sizes)), unit
 
 
 def map_of_viewport(

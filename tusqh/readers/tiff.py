@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from tusqh.errors import GeometryError
 from tusqh.extras import require
 from tusqh.geometry.remark import Remark
+from tusqh.readers.frames import Place
 from tusqh.readers.gate import require_memory
 from tusqh.readers.logs import collect_logs, remarks_on_logs
 from tusqh.readers.reading import Reading
 from tusqh.readers.tiff_pages import check_data, count_pages
 from tusqh.readers.tiff_sizes import voxel_sides
-from tusqh.readers.voxels import Place, image_in_file
+from tusqh.readers.voxels import image_in_file
 from tusqh.settings.voxels import Voxels
 
 #: Axes of tifffile that are not directions of space.

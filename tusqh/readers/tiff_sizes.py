@@ -41,7 +41,8 @@ def voxel_sides(where: str, file: Any) -> Sizes:
     unit = str(described.get("unit", "")).strip()
     spacing = described.get("spacing")
     if spacing is not None or (file.is_imagej and unit not in ("", "pixel", "pixels")):
-        deep = abs(float(1.0 if spacing is None else spacing))
+        is_default = spacing is None and max(abs(side - 1.0) for side in across) > 1e-6
+        deep = 0.0 if is_default else abs(float(1.0 if spacing is None else spacing))
         if not deep > 0:
             raise _incomplete(where, [*across, deep])
         return [*across, deep], _named(unit), []

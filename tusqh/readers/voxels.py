@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,31 +14,12 @@ from tusqh.geometry.image import Image
 from tusqh.geometry.remark import Remark
 from tusqh.readers import labels
 from tusqh.readers.axes import take_space
+from tusqh.readers.frames import Place, align, to_cubes
 from tusqh.readers.reading import Reading
 from tusqh.settings.voxels import Voxels
 
-#: Voxels whose side lengths have at most this relative difference count as cubes.
-_CUBIC = 1e-6
 #: Up to this number of distinct integers, reading them as grey values deserves a remark.
 _FEW = 16
-
-
-class Place(NamedTuple):
-    """The location of the voxels of a file.
-
-    Parameters
-    ----------
-    sides
-        Side lengths of a voxel along x, y and z; 1 if the file states none.
-    origin
-        Lowest corner of voxel (0, 0, 0), in the file's unit; a given voxel size scales it.
-    unit
-        Unit of length that the file states; empty if it states none.
-    """
-
-    sides: Sequence[float] = (1.0, 1.0, 1.0)
-    origin: Sequence[float] = (0.0, 0.0, 0.0)
-    unit: str = ""
 
 
 _UNIT_CUBES = Place()
@@ -118,25 +99,16 @@ def image_of(
     Raises
     ------
     GeometryError
-        The voxels are not cubes, the array is not an image, or its labels need a choice.
+        The array is not an image, its axes do not span the space, or its labels need a choice.
     """
-    size = _size_of(where, place.sides, meaning.voxel_size)
+    voxels, place = align(where, voxels, place)
     empty, full, said = meaning.empty, meaning.full, list(remarks)
     if voxels.ndim == 3 and voxels.size:
         voxels, empty, full, more = _interpret(where, voxels, meaning)
         said += more
-    image = Image.from_voxels(
-        voxels,
-        voxel_size=size,
-        empty=empty,
-        full=full,
-        origin=[float(o) / s * size for o, s in zip(place.origin, place.sides, strict=True)],
-        name=name,
-    )
-    if place.unit:
-        what = f"unit of length in the file: {place.unit}"
-        said.insert(0, Remark("noted", what, 1, "give it as the `unit` of the model"))
-    return Reading(image, tuple(said), unit=place.unit)
+    image = Image.from_voxels(voxels, empty=empty, full=full, name=name)
+    image, of_cubes = to_cubes(where, image, place, meaning.voxel_size)
+    return Reading(image, (*said, *of_cubes), unit=place.unit)
 
 
 def require_stated_shape(options: Mapping[str, Any], *, where: str) -> None:
@@ -171,20 +143,6 @@ def _remark_on_thin_axis(shape: Sequence[int]) -> list[Remark]:
         return []
     remedy = "if they are colours or channels, give one of them as an image of three axes"
     return [Remark("noted", f"layers along axis {'xyz'[list(shape).index(thin)]}", thin, remedy)]
-
-
-def _size_of(where: str, sides: Sequence[float], given: float | None) -> float:
-    """Return the edge length of a voxel."""
-    if given is not None:
-        return given
-    if not np.ptp(sides) <= _CUBIC * max(sides):
-        raise GeometryError(
-            f"a voxel measures {' x '.join(f'{s:g}' for s in sides)}",
-            where=where,
-            expected="cubic voxels",
-            remedy="resample the image to cubes, or give `voxel_size` if the header is wrong",
-        )
-    return sides[0]
 
 
 _Interpretation = tuple[NDArray[Any], float | None, float | None, list[Remark]]

@@ -8,8 +8,9 @@ import numpy as np
 import pyvista
 
 from tusqh.errors import GeometryError
+from tusqh.readers.frames import place_of_centres
 from tusqh.readers.reading import Reading
-from tusqh.readers.voxels import Place, image_in_file
+from tusqh.readers.voxels import image_in_file
 from tusqh.readers.vtk_file import load_dataset
 from tusqh.settings.voxels import Voxels
 
@@ -37,8 +38,7 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
     Raises
     ------
     GeometryError
-        The file is cut off or damaged; it has no scalar array, or several; its axes are rotated; or
-        the voxels are not cubes.
+        The file is cut off or damaged; it has no scalar array, or several.
     """
     image = load_dataset(path)
     if not isinstance(image, pyvista.ImageData):
@@ -53,17 +53,15 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
         names = ", ".join(repr(name) for name, _, _ in found) or "none"
         remedy = "leave one of them in the file, or write it as NPY, NRRD or TIFF"
         raise _wrong(path, f"it has {len(found)} arrays of single numbers: {names}", remedy)
-    if not np.array_equal(image.direction_matrix, np.eye(3)):
-        raise _wrong(path, "its axes are turned", "resample it along x, y and z")
     (_, values, is_of_cells) = found[0]
-    spacing = np.abs(image.spacing)
-    lowest = np.array(image.GetOrigin()) + np.array(image.GetExtent()[::2]) * spacing
+    steps = np.asarray(image.direction_matrix).T * np.asarray(image.spacing)[:, None]
     shape = np.maximum(np.array(image.dimensions) - is_of_cells, 1)
+    first = np.array(image.GetOrigin()) + np.array(image.GetExtent()[::2]) @ steps
     return image_in_file(
         path,
         values.reshape(shape, order="F"),
         meaning=meaning,
-        place=Place(spacing.tolist(), (lowest - (0 if is_of_cells else spacing / 2)).tolist()),
+        place=place_of_centres(steps, first + is_of_cells * steps.sum(axis=0) / 2, shape.tolist()),
         is_named=True,
     )
 
@@ -73,6 +71,6 @@ def _wrong(path: Path, found: str, remedy: str) -> GeometryError:
     return GeometryError(
         found,
         where=str(path),
-        expected="an image with one array, with axes along x, y and z",
+        expected="an image with one array",
         remedy=remedy,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from tusqh.errors import SamplingError
 from tusqh.geometry.kinds import Surface
@@ -54,4 +55,5 @@ def lay_grid(
             expected=f"{dim} numbers, one for each axis",
             remedy="give one number for each axis",
         )
-    return BackgroundGrid.over_box(lower, upper, cells=cells, cell_size=cell_size)
+    grid = BackgroundGrid.over_box(lower, upper, cells=cells, cell_size=cell_size)
+    return replace(grid, unit=geometry.unit)

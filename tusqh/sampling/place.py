@@ -163,7 +163,7 @@ def move_grid(grid: BackgroundGrid, box: Box, placement: Placement) -> Backgroun
             shape[axis] += 1
         if origin[axis] + (shape[axis] - 1) * grid.cell_size >= high - slack:
             shape[axis] -= 1
-    return BackgroundGrid(tuple(shape), grid.cell_size, tuple(origin))
+    return replace(grid, shape=tuple(shape), origin=tuple(origin))
 
 
 def _find_obstacle(volume: float, sampling: Sampling, window: Box | None) -> str:

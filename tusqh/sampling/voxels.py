@@ -85,6 +85,7 @@ def lay_on_voxels(
         shape=tuple((-(-n_voxels // per_cell)).tolist()),
         cell_size=per_cell * image.voxel_size,
         origin=tuple((np.asarray(image.origin) + first * image.voxel_size).tolist()),
+        unit=image.unit,
     )
 
 

@@ -10,6 +10,7 @@ from tusqh.settings.field import setting
 from tusqh.settings.fitting import Fitting
 from tusqh.settings.goal import Goal
 from tusqh.settings.grid import Grid, Window
+from tusqh.settings.lengths import Lengths
 from tusqh.settings.materials import Material, find_repeated
 from tusqh.settings.policy import Policy
 from tusqh.settings.quality import Quality
@@ -48,6 +49,7 @@ class Settings(Section):
         argument="window",
         metavar="X0,Y0,X1,Y1",
     )
+    lengths: Lengths = setting("Units of length.", default=Lengths, is_inline=True)
     image: Voxels = setting(
         "What the voxels of an image mean; only for images.", default=Voxels, kinds=("image",)
     )
@@ -92,12 +94,6 @@ class Model(Section):
         "Name of the material that fills what the others leave of the grid or window.",
         default=None,
         otherwise="the rest is void",
-    )
-    unit: str = setting(
-        "Unit of length in that file (`nm`, `um`, `mm`, `cm`, `dm`, `m`, `km`, `in`, `ft`, or "
-        "another name), for figures and for the simulation, which is in SI units.",
-        default="m",
-        metavar="NAME",
     )
     up: Literal["x", "y", "z"] | None = setting(
         "3D: axis that points up in figures and in the explorer.",

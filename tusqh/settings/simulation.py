@@ -16,7 +16,7 @@ class Simulation(Section):
     """The release of a contaminant (in 3D, of heat) at a point, and its diffusion.
 
     Lengths are in the model's unit, everything else is in SI units.  If the model's unit is not in
-    `tusqh.simulate.units.METRES`, it replaces every metre.
+    `tusqh.geometry.units.METRES`, it replaces every metre.
     """
 
     source: tuple[float, ...] | None = setting(

@@ -22,6 +22,7 @@ from scipy.sparse import csr_matrix, diags_array
 from scipy.sparse.linalg import cg, splu
 
 from tusqh.errors import SimulationError
+from tusqh.geometry.units import ASSUMED
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
@@ -69,7 +70,7 @@ def simulate_diffusion(
     simulation: Simulation | None = None,
     *,
     diffusivities: FloatArray | None = None,
-    unit: str = "m",
+    unit: str | None = None,
     steps: Sequence[int] = (0, 50, 100, 200, 400, 800),
     progress: Report | None = None,
 ) -> DiffusionResult:
@@ -85,7 +86,8 @@ def simulate_diffusion(
         Diffusivity of every element, in m^2/s, shape (m,), such as that of its material; None: that
         of `simulation` everywhere.
     unit
-        The model's unit of length, see `tusqh.simulate.units.METRES`.
+        The model's unit of length, see `tusqh.geometry.units.METRES`; None: that of the mesh, or
+        metres if that is not known.
     steps
         Time steps of the snapshots, ascending.
     progress
@@ -104,6 +106,7 @@ def simulate_diffusion(
     """
     simulation = simulation or Simulation()
     n_steps = _check_numbers(mesh.name, simulation, steps)
+    unit = unit or mesh.unit or ASSUMED
     factor, _ = simulated_length(unit)
     diffusivity = simulation.diffusivity or DIFFUSIVITY[mesh.dim]
     time_step = simulation.time_step

@@ -1,24 +1,12 @@
 """Units of length and the units of simulated quantities.
 
-Geometry is in the unit that its model declares; a simulation is in SI units.  The size of a unit
-that is not listed here is unknown, so such a model is simulated and labelled in its own unit.
+Geometry is in the unit that its file or its model states; a simulation is in SI units.  A model
+whose unit is not in `tusqh.geometry.units.METRES` is simulated and labelled in its own unit.
 """
 
 from __future__ import annotations
 
-#: Metres in one unit of length.
-METRES = {
-    "nm": 1e-9,
-    "um": 1e-6,
-    "µm": 1e-6,
-    "mm": 1e-3,
-    "cm": 1e-2,
-    "dm": 1e-1,
-    "m": 1.0,
-    "km": 1e3,
-    "in": 0.0254,
-    "ft": 0.3048,
-}
+from tusqh.geometry.units import metres_in
 
 
 def simulated_length(unit: str) -> tuple[float, str]:
@@ -41,9 +29,8 @@ def simulated_length(unit: str) -> tuple[float, str]:
     >>> simulated_length("mm"), simulated_length("px")
     ((0.001, 'm'), (1.0, 'px'))
     """
-    if unit in METRES:
-        return METRES[unit], "m"
-    return 1.0, unit
+    size = metres_in(unit)
+    return (1.0, unit) if size is None else (size, "m")
 
 
 def amount_unit(dim: int) -> str:

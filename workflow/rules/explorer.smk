@@ -10,7 +10,6 @@ rule explorer:
         **files("explorer"),
     params:
         geometry=settings_of("geometry"),
-        unit=settings_of("unit"),
         up=settings_of("up"),
         settings=settings_of("settings"),
     priority: MODELS_FIRST
@@ -27,7 +26,6 @@ rule explorer_of_materials:
         model=NAMES_OF_ASSEMBLIES,
     params:
         geometry=first_geometry_of,
-        unit=settings_of("unit"),
         up=settings_of("up"),
     priority: MODELS_FIRST
     script:

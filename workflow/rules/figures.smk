@@ -18,7 +18,6 @@ rule figures_of_outline:
         model=any_of(2),
     params:
         panels=settings_of("panels"),
-        unit=settings_of("unit"),
     script:
         "../scripts/figures_of_outline.py"
 
@@ -35,7 +34,6 @@ rule figures_of_solid:
         model=any_of(3),
     params:
         geometry=settings_of("geometry"),
-        unit=settings_of("unit"),
         up=settings_of("up"),
     script:
         "../scripts/figures_of_solid.py"
@@ -50,7 +48,6 @@ rule figure_fit:
         model="|".join(FITTED) or "(?!)",
     params:
         geometry=settings_of("geometry"),
-        unit=settings_of("unit"),
         up=settings_of("up"),
     script:
         "../scripts/figure_fit.py"

@@ -8,6 +8,7 @@ rule ingest:
         reader=reader_of,
         source=settings_of("geometry"),
         image=settings_of("image"),
+        lengths=settings_of("lengths"),
         unused=unused_settings_of,
     priority: MODELS_FIRST
     script:

@@ -30,7 +30,6 @@ rule figure_materials:
         model=NAMES_OF_ASSEMBLIES,
     params:
         geometry=first_geometry_of,
-        unit=settings_of("unit"),
         up=settings_of("up"),
     script:
         "../scripts/figure_materials.py"

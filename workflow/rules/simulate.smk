@@ -9,7 +9,6 @@ rule simulate:
     params:
         simulation=settings_of("simulation"),
         diffusivities=diffusivities_of,
-        unit=settings_of("unit"),
         steps=SNAPSHOTS,
     script:
         "../scripts/simulate.py"

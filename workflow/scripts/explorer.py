@@ -11,7 +11,6 @@ with recorded(snakemake) as log:
     subject = read_subject(
         page.parent,
         geometry=snakemake.params.geometry,
-        unit=snakemake.params.unit,
         up=snakemake.params.up,
         fitted=bool(snakemake.input.fitted),
         settings=Settings.from_dict(snakemake.params.settings),

@@ -4,6 +4,7 @@ from provenance.record import recorded
 from tusqh.figures import style
 from tusqh.figures.fit import draw_fit
 from tusqh.geometry.canonical import load_geometry
+from tusqh.geometry.units import ASSUMED
 from tusqh.geometry.upright import upright_axis
 from tusqh.meshes.export import read_vtu
 
@@ -15,7 +16,7 @@ with recorded(snakemake) as log:
         staircase,
         fitted,
         name=snakemake.wildcards.model,
-        unit=snakemake.params.unit,
+        unit=geometry.unit or ASSUMED,
         up=upright_axis(snakemake.params.geometry, snakemake.params.up),
     )
     style.save(figure, Path(snakemake.output.figure_fit))

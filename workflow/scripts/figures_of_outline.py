@@ -10,17 +10,19 @@ from tusqh.figures.contaminant import draw_contaminant
 from tusqh.figures.field import draw_field
 from tusqh.figures.thresholds import draw_thresholds
 from tusqh.geometry.canonical import load_geometry
+from tusqh.geometry.units import ASSUMED
 from tusqh.meshes.export import read_vtu
 from tusqh.sampling.io import load_fractions
 from tusqh.simulate.snapshots import read_snapshot
 from tusqh.threshold.selection import load_selection
 
 with recorded(snakemake) as log:
-    name, unit = snakemake.wildcards.model, snakemake.params.unit
+    name = snakemake.wildcards.model
     geometry = load_geometry(Path(snakemake.input.geometry))
     fractions = load_fractions(Path(snakemake.input.fractions))
     selection = load_selection(Path(snakemake.input.selection))
     mesh = read_vtu(Path(snakemake.input.mesh), name=name)
+    unit = mesh.unit or ASSUMED
     field = draw_field(fractions, geometry, name=name, unit=unit)
     style.save(field, Path(snakemake.output.figure_field))
     cell_sets, panels = CellSets(fractions, selection.policy), snakemake.params.panels

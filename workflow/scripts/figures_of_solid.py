@@ -8,6 +8,7 @@ from tusqh.figures.panels import draw_panels
 from tusqh.figures.section import draw_sections
 from tusqh.figures.temperature import draw_temperature
 from tusqh.geometry.canonical import load_geometry
+from tusqh.geometry.units import ASSUMED
 from tusqh.geometry.upright import upright_axis
 from tusqh.meshes.export import read_vtu
 from tusqh.simulate.snapshots import read_snapshot
@@ -20,7 +21,8 @@ with recorded(snakemake) as log:
         for path, n_elements in zip(snakemake.input.meshes, rows["elements"], strict=True)
     ]
     geometry = load_geometry(Path(snakemake.input.geometry))
-    unit, up = snakemake.params.unit, upright_axis(snakemake.params.geometry, snakemake.params.up)
+    unit = geometry.unit or ASSUMED
+    up = upright_axis(snakemake.params.geometry, snakemake.params.up)
     thresholds = rows["threshold"].tolist()
     panels = draw_panels(geometry, meshes, thresholds, name=name, unit=unit, up=up)
     style.save(panels, Path(snakemake.output.figure_panels))

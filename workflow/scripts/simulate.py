@@ -18,7 +18,6 @@ with recorded(snakemake) as log:
         mesh,
         simulation,
         diffusivities=regions and diffusivities_of(regions, by_name, simulation, dim=mesh.dim),
-        unit=snakemake.params.unit,
         steps=snakemake.params.steps,
         progress=log_progress("time steps"),
     )

@@ -11,6 +11,7 @@ from tusqh.atomic import write_text
 from tusqh.errors import ConfigError
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.formats.content import Content
+from tusqh.meshes.formats.digits import near_zero, unit_comment
 
 #: Number of each local facet of a hex, in the order of `HEX_FACETS`; those of quads are 1 to 4.
 _FACES = np.array([6, 4, 3, 5, 1, 2])
@@ -49,8 +50,10 @@ def write_abaqus(path: Path, content: Content) -> None:
             remedy="add --element C3D20, or CPS8 in the plane",
         )
     text = io.StringIO()
-    text.write(f"*HEADING\n{content.mesh.name}\n*NODE\n")
-    points = _without_dust(content.points_in_space())
+    points, offset = near_zero(content.points_in_space(), "**")
+    comments = unit_comment(content.mesh.unit, "**") + offset
+    text.write(f"*HEADING\n{content.mesh.name}\n{comments}*NODE\n")
+    points = _without_dust(points)
     number = np.arange(1, len(points) + 1)
     form = ["%d"] + 3 * [_NUMBER]
     np.savetxt(text, np.column_stack([number, points]), fmt=form, delimiter=", ")

@@ -55,6 +55,8 @@ def write_exodus(path: Path, content: Content) -> None:
         netCDF4.Dataset(temporary, "w", format="NETCDF3_64BIT_OFFSET") as file,
     ):
         file.title = content.mesh.name
+        if content.mesh.unit:
+            file.setncattr("unit_of_length", content.mesh.unit)
         file.version = file.api_version = np.float32(5.1)
         file.floating_point_word_size = np.int32(8)
         for name, size in (("len_string", _TEXT), ("len_line", 81), ("four", 4)):

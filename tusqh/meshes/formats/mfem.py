@@ -11,6 +11,7 @@ from tusqh.atomic import write_text
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.facets import HEX_EDGES, HEX_FACETS, QUAD_FACETS
 from tusqh.meshes.formats.content import Content
+from tusqh.meshes.formats.digits import unit_comment
 from tusqh.meshes.quadratic import serendipity_centres
 
 
@@ -29,7 +30,7 @@ def write_mfem(path: Path, content: Content) -> None:
     """
     text, mesh, dim = io.StringIO(), content.mesh, content.dim
     geometry, facet = (3, 1) if dim == 2 else (5, 3)
-    text.write("MFEM mesh v1.0\n\n# Boundary attributes:\n")
+    text.write(f"MFEM mesh v1.0\n\n{unit_comment(mesh.unit, '#')}# Boundary attributes:\n")
     for found in content.sets.once:
         text.write(f"# {found.number} {found.name}: {found.meaning}\n")
     attribute = np.empty(mesh.n_cells, dtype=np.int64)

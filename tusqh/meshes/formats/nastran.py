@@ -12,6 +12,7 @@ from tusqh.errors import ConfigError
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.elements import order_of
 from tusqh.meshes.formats.content import Content
+from tusqh.meshes.formats.digits import near_zero, unit_comment
 
 #: Middle nodes follow the edges of the bottom, those between bottom and top, and those of the top.
 _EDGES = [
@@ -51,7 +52,9 @@ def write_nastran(path: Path, content: Content) -> None:
         )
     text = io.StringIO()
     text.write(f"$ {content.mesh.name}: bulk data, for an INCLUDE\n")
-    _write_nodes(text, content.points_in_space())
+    points, offset = near_zero(content.points_in_space(), "$")
+    text.write(unit_comment(content.mesh.unit, "$") + offset)
+    _write_nodes(text, points)
     flat = {4: "CQUAD4", 8: "CQUAD8"}
     name = "CHEXA" if content.dim == 3 else flat[element.n_nodes]
     order = np.arange(element.n_nodes)

@@ -20,6 +20,7 @@ from tusqh.pipeline.ingest import read_source
 from tusqh.pipeline.materials.part_names import name_parts
 from tusqh.readers.formats import suffixes_of
 from tusqh.readers.labels import as_whole_numbers
+from tusqh.settings.lengths import Lengths
 from tusqh.settings.materials import Material
 from tusqh.settings.voxels import Voxels
 
@@ -52,7 +53,12 @@ class Gathered:
     optional: tuple[str, ...] = ()
 
 
-def gather(source: Any, wishes: Sequence[Material], image: Voxels | None = None) -> Gathered:
+def gather(
+    source: Any,
+    wishes: Sequence[Material],
+    image: Voxels | None = None,
+    lengths: Lengths | None = None,
+) -> Gathered:
     """Return the materials of a mesh, read from their files.
 
     Parameters
@@ -65,6 +71,8 @@ def gather(source: Any, wishes: Sequence[Material], image: Voxels | None = None)
         The materials for which a name, part, label, threshold or target is given.
     image
         For images: size of voxels and channel.
+    lengths
+        Unit, scale and conversion of all files; None: as they state.
 
     Raises
     ------
@@ -77,23 +85,24 @@ def gather(source: Any, wishes: Sequence[Material], image: Voxels | None = None)
         named = source if isinstance(source, Mapping) else _name_by_file(source)
         surfaces, remarks = {}, list[Remark]()
         for name, given in named.items():
-            surfaces[str(name)] = _read_surface(given, str(name), remarks)
+            surfaces[str(name)] = _read_surface(given, str(name), remarks, lengths)
+        _require_one_unit(surfaces)
         require_known(wishes, list(surfaces))
         return Gathered(tuple(wishes), surfaces, remarks=tuple(remarks))
     if isinstance(source, np.ndarray) and source.ndim == 2:
-        return replace(gather(source[:, :, None], wishes, image), is_plane=True)
+        return replace(gather(source[:, :, None], wishes, image, lengths), is_plane=True)
     if source is not None:
         meaning = (image or Voxels()).to_dict()
         if _holds_voxels(source):
             # By default, voxels between 0 and 1 are grey values; these keep labels unchanged.
             meaning |= {"empty": 0.0, "full": 1.0}
-        reading = read_source(source, image=meaning)
+        reading = read_source(source, image=meaning, lengths=lengths)
         if isinstance(reading.geometry, Image):
             labels = replace(reading.geometry, voxels=_require_labels(reading.geometry))
             _require_no(wishes, ("part", "source"), "an image of labels", "`label` instead")
             return Gathered(tuple(wishes), image=labels, remarks=reading.remarks)
-        return _gather_parts(reading.geometry, wishes, reading.remarks)
-    return _gather_parts(None, wishes, ())
+        return _gather_parts(reading.geometry, wishes, reading.remarks, lengths)
+    return _gather_parts(None, wishes, (), lengths)
 
 
 def is_pair(source: Any) -> bool:
@@ -121,7 +130,10 @@ def _holds_voxels(source: Any) -> bool:
 
 
 def _gather_parts(
-    geometry: Surface | None, wishes: Sequence[Material], read: tuple[Remark, ...]
+    geometry: Surface | None,
+    wishes: Sequence[Material],
+    read: tuple[Remark, ...],
+    lengths: Lengths | None,
 ) -> Gathered:
     """Return materials that are parts of one geometry, or of files that they name."""
     _require_no(wishes, ("label",), "not an image of labels", "`part` or `source` instead")
@@ -132,7 +144,7 @@ def _gather_parts(
     for material in placed:
         if material.source is not None:
             if material.source not in cache:
-                read_geometry = _read_surface(material.source, material.name, remarks)
+                read_geometry = _read_surface(material.source, material.name, remarks, lengths)
                 whole = material.part is None
                 cache[material.source] = [read_geometry] if whole else split_parts(read_geometry)
             surfaces[material.name] = _part_of(cache[material.source], material)
@@ -141,6 +153,7 @@ def _gather_parts(
     if not placed:
         surfaces, renamed = name_parts(parts)
         remarks += renamed
+    _require_one_unit(surfaces)
     require_known(wishes, list(surfaces))
     wanted = [m.name for m in wishes]
     optional = () if placed else tuple(name for name in surfaces if name not in wanted)
@@ -191,9 +204,26 @@ def _name_by_file(sources: Sequence[Any]) -> dict[str, Any]:
     return named
 
 
-def _read_surface(source: Any, name: str, remarks: list[Remark]) -> Surface:
+def _require_one_unit(surfaces: Mapping[str, Surface]) -> None:
+    """Raise a `GeometryError` if the geometries of a mesh are in different units of length."""
+    units = {name: surface.unit for name, surface in surfaces.items()}
+    if len(set(units.values())) < 2:
+        return
+    shown = ", ".join(f"{name}: {unit or 'not stated'}" for name, unit in units.items())
+    raise GeometryError(
+        f"materials in different units of length ({shown})",
+        where="materials",
+        expected="one unit for all files of a mesh",
+        remedy="convert them all with `convert_to` (--convert-to); a file that states no unit "
+        "must first be saved in a format that states it",
+    )
+
+
+def _read_surface(
+    source: Any, name: str, remarks: list[Remark], lengths: Lengths | None
+) -> Surface:
     """Return the surface or outline of a material."""
-    reading = read_source(source, name=name)
+    reading = read_source(source, name=name, lengths=lengths)
     remarks += [replace(remark, what=f"{name}: {remark.what}") for remark in reading.remarks]
     if isinstance(reading.geometry, Image):
         raise GeometryError(

@@ -70,7 +70,7 @@ def judge_all(
     if is_sound and all(found.n_non_manifold == 0 for found in measured.values()):
         expected = predicted or {name: found.by_euler for name, found in measured.items()}
         others, metrics = judge_parts_by_others(mesh, regions, expected, checks=checks)
-    elements = summarise_metrics(pd.DataFrame() if metrics is None else metrics)
+    elements = summarise_metrics(pd.DataFrame() if metrics is None else metrics, unit=mesh.unit)
     return Judgement(elements, to_table([*own, *others, *comparison]))
 
 

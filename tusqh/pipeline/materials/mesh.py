@@ -89,7 +89,7 @@ def mesh_several(
         gathered, sampled, original = Gathered(wishes), Sampled(source), None
         require_known(wishes, source.names)
     else:
-        gathered = gather(source, wishes, settings.image)
+        gathered = gather(source, wishes, settings.image, settings.lengths)
         if gathered.image is not None and settings.window is not None:
             raise _without_effect("window", "leave it out: labels are meshed as a whole")
         original = MaterialsOriginal(

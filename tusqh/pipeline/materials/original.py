@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -144,7 +144,8 @@ def join_surfaces(surfaces: list[Surface]) -> Surface:
         ]
     )
     kind = Outline if isinstance(surfaces[0], Outline) else Soup
-    return kind(points, simplices, numbers.astype(np.int64), "materials")
+    joined = kind(points, simplices, numbers.astype(np.int64), "materials")
+    return replace(joined, unit=surfaces[0].unit)
 
 
 def split_surfaces(geometry: Surface, parts: Mapping[str, int]) -> dict[str, Surface]:
@@ -171,9 +172,8 @@ def split_surfaces(geometry: Surface, parts: Mapping[str, int]) -> dict[str, Sur
     for name, low, high in zip(parts, ends[:-1], ends[1:], strict=True):
         numbers = _numbers(geometry)
         chosen = (numbers >= low) & (numbers < high)
-        found[name] = kind(
-            geometry.points, _simplices(geometry)[chosen], numbers[chosen] - low, name
-        )
+        part = kind(geometry.points, _simplices(geometry)[chosen], numbers[chosen] - low, name)
+        found[name] = replace(part, unit=geometry.unit)
     return found
 
 

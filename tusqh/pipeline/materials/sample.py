@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -126,7 +126,8 @@ def _sample_labels(
         void=None if 0 in names else 0,
     )
     require_known(gathered.wishes, fractions.names)
-    return Sampled(fractions)
+    of_unit = replace(fractions.grid, unit=image.unit)
+    return Sampled(replace(fractions, grid=of_unit))
 
 
 def _box_around(surfaces: Sequence[Surface]) -> Box:
