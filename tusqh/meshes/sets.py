@@ -22,6 +22,7 @@ from scipy.sparse.csgraph import connected_components
 
 from tusqh.grid import IntArray
 from tusqh.meshes.boundary import SIDES, describe_side
+from tusqh.meshes.boundary_pieces import groups_of
 from tusqh.meshes.interfaces import find_interfaces, find_junctions
 from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
@@ -30,7 +31,6 @@ from tusqh.meshes.walls import (
     Wall,
     boundary_components,
     divide_boundary,
-    groups_of,
 )
 
 #: Number of sides that lie on planes of the box.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -301,7 +301,7 @@ class Result:
         element, layer, sets
             See `write`.
         """
-        return export_of(
+        how = export_of(
             self.mesh,
             self.geometry,
             is_fitted=self.fit is not None and self.mesh is not self.staircase,
@@ -309,6 +309,8 @@ class Result:
             layer=layer,
             sets=sets,
         )
+        # Envelopes and shells have their own boundary, which is not the surface.
+        return how if self.settings.sampling.inside == "winding" else replace(how, mover=None)
 
     def save(self, folder: Path | str) -> None:
         """Write all files that the workflow writes up to the verdict, under the same names.
