@@ -22,6 +22,7 @@ rule all:
         "results/tables/claims.csv",
         [figure for model in MODELS for figure in figures_of(model)],
         *files_of_all_models(*EXPORTS, "simulation", "defects", "explorer").values(),
+        *files_of_coarsened_models("coarse", "coarse_mfem").values(),
         *files_of_assemblies(*EXPORTS, "certificate", "figure_materials", "explorer").values(),
         expand(files("simulation")["simulation"], model=SIMULATED),
         "results/report/index.html",
@@ -34,6 +35,7 @@ rule models:
     input:
         *files_of_all_models("mesh", "certificate", "verdict", "explorer", *EXPORTS).values(),
         *files_of_fitted_models("fitted", "fit").values(),
+        *files_of_coarsened_models("coarse", "coarse_mfem").values(),
         *files_of_assemblies("mesh", "certificate", "verdict", "explorer", *EXPORTS).values(),
 
 

@@ -198,6 +198,19 @@ _MESH_TO_VERDICT = (
         "the wanted, predicted and measured topology, with digests; `tusqh check` recomputes it",
     ),
     ResultFile(
+        "coarse", "coarse.vtu", "with `coarsen`: the mesh with larger elements inside, as VTU"
+    ),
+    ResultFile(
+        "coarse_mfem",
+        "coarse.mesh",
+        "with `coarsen`: that mesh for MFEM, with its hanging vertices",
+    ),
+    ResultFile(
+        "coarsening",
+        "coarsening.json",
+        "with `coarsen`: elements and digests of that mesh; `tusqh check` recomputes it",
+    ),
+    ResultFile(
         "fitted", "fitted.vtu", "with `fit`: the mesh with its boundary moved onto the geometry"
     ),
     ResultFile(

@@ -12,6 +12,7 @@ from tusqh.cli.show import make_console, show
 if TYPE_CHECKING:
     import pandas as pd
 
+    from tusqh.coarsening import CoarseMesh
     from tusqh.meshes.checks import Check
     from tusqh.meshes.volume_mesh import VolumeMesh
 
@@ -30,7 +31,8 @@ def check(
     where the fractions are there too, its predictions. With the geometry, the fractions, the place
     of the grid and the warnings are recomputed; without it, the warnings are those recorded. In a
     mesh of several materials, each material is checked. A fitted.vtu is compared with fit.json and
-    with the geometry: its topology, its validity and its distances.
+    with the geometry: its topology, its validity and its distances. A coarse.vtu is split into its
+    grid cells, which are checked; its hanging vertices must lie between their parents.
 
     Exit code 0: all holds; 1: something does not; 2: the file cannot be read.
 
@@ -40,21 +42,56 @@ def check(
     """
     from tusqh.certificate import FILE_NAME
     from tusqh.meshes.export import read_regions, read_vtu
+    from tusqh.pipeline.coarsen import find_coarse
     from tusqh.pipeline.materials.recheck import check_materials
     from tusqh.quality.verdict import overall
 
     volume_mesh = read_vtu(mesh)
     certificate = mesh.parent / FILE_NAME
-    if read_regions(mesh) is None:
+    found = find_coarse(mesh)
+    title = f"{mesh.name}: {volume_mesh.n_cells} elements"
+    if found is not None:
+        coarse, source = found
+        volume_mesh = coarse.uniform
+        title += f", which stand for {volume_mesh.n_cells}"
+        table = _check_coarse(mesh, coarse, source, certificate, all_checks=all_checks)
+    elif read_regions(mesh) is None:
         table = _check_single(mesh, volume_mesh, certificate, all_checks=all_checks)
     else:
         table = check_materials(mesh, checks="all" if all_checks else None)
     measured = volume_mesh.measurement.by_euler
-    show(table, title=f"{mesh.name}: {volume_mesh.n_cells} elements, Betti numbers {measured}")
+    show(table, title=f"{title}, Betti numbers {measured}")
     verdict = overall(table)
     where = "" if certificate.is_file() else f" (there is no {FILE_NAME} in its folder)"
     make_console(markup=False, highlight=False).print(verdict + where)
     raise typer.Exit(0 if verdict.startswith("suitable") else 1)
+
+
+def _check_coarse(
+    path: Path,
+    coarse: CoarseMesh,
+    source: Path | None,
+    certificate: Path,
+    *,
+    all_checks: bool,
+) -> pd.DataFrame:
+    """Return the checks of a coarse mesh, and of the mesh for which it stands."""
+    from tusqh.antialias.scheme import PINCH_TEMPLATES
+    from tusqh.certificate import read_predicted
+    from tusqh.pipeline.coarsen import recheck_coarse
+    from tusqh.pipeline.judge import judge
+    from tusqh.pipeline.recheck_fit import is_fitted
+    from tusqh.quality.fit_checks import FITTED
+
+    uniform = coarse.uniform
+    expected = uniform.measurement.by_euler
+    if source is not None and certificate.is_file():
+        expected = read_predicted(certificate)
+    scheme = FITTED if source is not None and is_fitted(source) else PINCH_TEMPLATES
+    claims = recheck_coarse(path, coarse)
+    checks: Literal["all"] | None = "all" if all_checks else None
+    verdict = judge(uniform, expected, comparison=claims, checks=checks, scheme=scheme).verdict
+    return verdict.drop(columns="material")
 
 
 def _check_single(

@@ -78,8 +78,9 @@ def mesh(
     stem = Path(geometry[0]).stem if len(geometry) == 1 else "materials"
     paths = output or [Path(stem + ".vtu")]
     written = outputs.Outputs(paths, results, element, layer, name_set or (), sets, picture)
-    written.require(geometry)
-    if materials or bool(material) or rest is not None:
+    is_several = materials or bool(material) or rest is not None
+    written.require(geometry, is_coarse=bool(settings.coarsening.coarsen) and not is_several)
+    if is_several:
         shown_as = Shown(as_json=as_json, is_strict=strict)
         mesh_and_show(geometry, material or [], settings, rest=rest, files=written, shown=shown_as)
         return

@@ -101,13 +101,15 @@ class Outputs:
     with_tables: bool | None = None
     picture: Path | None = None
 
-    def require(self, geometries: Sequence[str]) -> None:
+    def require(self, geometries: Sequence[str], *, is_coarse: bool = False) -> None:
         """Raise before any work when a file cannot be written.
 
         Parameters
         ----------
         geometries
             The files of the geometry, which must not be replaced.
+        is_coarse
+            Whether a coarse mesh is written, for which there are fewer formats.
 
         Raises
         ------
@@ -119,6 +121,7 @@ class Outputs:
             The element does not exist, or a wish for a set cannot be read.
         """
         from tusqh.atomic import require_writable
+        from tusqh.coarsening.files import require_coarse_format
         from tusqh.meshes.choose_sets import Wish
         from tusqh.meshes.elements import require_element
         from tusqh.meshes.formats import require_format
@@ -129,6 +132,8 @@ class Outputs:
         existing = [Path(geometry) for geometry in geometries if Path(geometry).exists()]
         for path in self.paths:
             require_format(path)
+            if is_coarse:
+                require_coarse_format(path, element=self.element, layer=self.layer)
             require_writable(path)
             if path.exists() and any(path.samefile(geometry) for geometry in existing):
                 raise OutputError(

@@ -10,6 +10,7 @@ from tusqh.geometry.image import Image
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.small_pieces import remarks_on_small_polygons
 from tusqh.pipeline.build import build, require_volume
+from tusqh.pipeline.coarsen import coarsen as coarsen_built
 from tusqh.pipeline.describe_reading import describe_reading
 from tusqh.pipeline.fit import fit as fit_built
 from tusqh.pipeline.judge import judge_built
@@ -70,6 +71,7 @@ def mesh(
     crs: str | None = None,
     image: Mapping[str, float] | None = None,
     fit: bool = False,
+    coarsen: Literal["interior"] | None = None,
     volume_tolerance: float = 0.05,
     checks: Literal["all"] | None = None,
     materials: Materials | None = None,
@@ -156,6 +158,9 @@ def mesh(
         `tusqh.settings.voxels.Voxels`.
     fit
         Move the boundary onto the geometry; `Result.staircase` is the mesh before.
+    coarsen
+        ``"interior"`` also makes `Result.coarse`, a mesh with larger elements away from the
+        boundary, and hanging vertices between elements of different size.
     volume_tolerance
         Largest relative difference between the volumes of the mesh and of the geometry that causes
         no warning (with `volume`, no error).
@@ -267,6 +272,10 @@ def run_stages(
     if settings.fitting.fit:
         progress("fit")
         fitted = fit_built(built.mesh, choice.selection, fractions, original, built.facts)
+    coarse = None
+    if settings.coarsening.coarsen is not None:
+        progress("coarsen")
+        coarse = coarsen_built(built.mesh if fitted is None else fitted.mesh, fractions.grid)
     progress("quality")
     judgement = judge_built(built, fitted, settings.quality)
     remarks = reading.remarks
@@ -278,5 +287,15 @@ def run_stages(
         remarks += remarks_on_small_polygons(geometry, fractions.grid, kept, is_outside=is_outside)
     read = describe_reading(reading)
     return Result(
-        geometry, fractions, found, choice, built, judgement, settings, read, remarks, fitted
+        geometry,
+        fractions,
+        found,
+        choice,
+        built,
+        judgement,
+        settings,
+        read,
+        remarks,
+        fitted,
+        coarse,
     )

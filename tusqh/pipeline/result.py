@@ -11,6 +11,8 @@ from typing import Any
 import pandas as pd
 
 from tusqh.atomic import write_text
+from tusqh.coarsening import CoarseMesh
+from tusqh.coarsening.files import write_coarse
 from tusqh.files import path_of
 from tusqh.geometry.canonical import write_geometry
 from tusqh.geometry.kinds import Geometry
@@ -19,6 +21,8 @@ from tusqh.hashing import canonical_json
 from tusqh.meshes.formats import Export, write_mesh
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.build import Built
+from tusqh.pipeline.coarsen import WRITTEN as OF_COARSE
+from tusqh.pipeline.coarsen import Coarsened
 from tusqh.pipeline.describe_reading import lines_of_reading
 from tusqh.pipeline.exports import export_of
 from tusqh.pipeline.fit import WRITTEN, Fit
@@ -60,6 +64,8 @@ class Report:
         Description of the reading, see `tusqh.pipeline.describe_reading.describe_reading`.
     remarks
         Remarks on what reading and orienting the geometry left out, changed or noted.
+    coarse
+        A line on the coarse mesh; None if none was asked for.
     """
 
     name: str
@@ -69,6 +75,7 @@ class Report:
     verdict: pd.DataFrame
     reading: dict[str, Any]
     remarks: tuple[Remark, ...] = ()
+    coarse: str | None = None
 
     @property
     def predicted(self) -> BettiNumbers:
@@ -110,6 +117,7 @@ class Report:
             **describe_changes(facts),
             **describe_elements(self.elements),
             **describe_fit(facts),
+            **({} if self.coarse is None else {"coarse": self.coarse}),
             **self._placement(),
             "verdict": str(Judgement(self.elements, self.verdict)),
             **self._not_run(),
@@ -173,6 +181,8 @@ class Result:
         Remarks on what reading and orienting the geometry left out, changed or noted.
     fit
         The fitted mesh, where the settings ask for it.
+    coarsened
+        The coarse mesh, where the settings ask for it.
     """
 
     geometry: Geometry
@@ -185,6 +195,7 @@ class Result:
     reading: dict[str, Any]
     remarks: tuple[Remark, ...] = ()
     fit: Fit | None = None
+    coarsened: Coarsened | None = None
 
     @property
     def name(self) -> str:
@@ -199,6 +210,11 @@ class Result:
     @property
     def regions(self) -> None:
         """The material of every element: there is one."""
+
+    @property
+    def coarse(self) -> CoarseMesh | None:
+        """The mesh with larger elements inside; None if the settings do not ask for it."""
+        return None if self.coarsened is None else self.coarsened.coarse
 
     @property
     def staircase(self) -> VolumeMesh:
@@ -255,6 +271,7 @@ class Result:
             judged.verdict,
             self.reading,
             self.remarks,
+            None if self.coarsened is None else self.coarsened.line(),
         )
 
     def write(
@@ -266,6 +283,8 @@ class Result:
         sets: Sequence[str] = (),
     ) -> None:
         """Write the mesh in the format of the suffix, see `tusqh.meshes.formats.write_mesh`.
+
+        The coarse mesh is written where the settings ask for one, as .vtu or .mesh.
 
         Parameters
         ----------
@@ -281,12 +300,15 @@ class Result:
         Raises
         ------
         MeshError
-            The suffix names no format.
+            The suffix names no format, or one that cannot hold the hanging vertices of a coarse
+            mesh.
         ConfigError
             The format or the mesh does not have the elements, or a set does not exist.
         """
         path, how = Path(path), self.export(element=element, layer=layer, sets=sets)
-        if path.suffix == ".vtu" and how.is_plain(self.mesh.dim):
+        if self.coarse is not None:
+            write_coarse(path, self.coarse, how)
+        elif path.suffix == ".vtu" and how.is_plain(self.mesh.dim):
             (self.built if self.fit is None else self.fit).write_mesh(path)
         else:
             write_mesh(path, self.mesh, export=how)
@@ -345,3 +367,7 @@ class Result:
         if self.fit is not None:
             of_fit = {name: path_of(name, folder) for name in WRITTEN}
             self.fit.write(mesh=path_of("mesh", folder), **of_fit)
+        if self.coarsened is not None:
+            source = path_of("mesh" if self.fit is None else "fitted", folder)
+            of_coarse = {name: path_of(name, folder) for name in OF_COARSE}
+            self.coarsened.write(source=source, **of_coarse)

@@ -77,8 +77,9 @@ class Argument:
     @property
     def option(self) -> str:
         """The name on the command line."""
-        if self.word:
-            return f"--{self.word}"
+        given = self.word or self.entry.setting.option
+        if given:
+            return f"--{given}"
         words = f"{self.choices[0]}_{self.name}" if self.is_flag else self.name
         return "--" + words.replace("_", "-")
 

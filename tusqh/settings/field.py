@@ -53,6 +53,9 @@ class Setting:
         Neighbours without any of which it has no effect.
     key
         Its key in the configuration, if the name of the field cannot be one; empty: that name.
+    option
+        Its option on the command line, without dashes; empty: its name, after the value where only
+        one is possible.
     words
         Options of the command line, each of which may be given several times and adds an entry to
         a list; empty: one option.
@@ -74,6 +77,7 @@ class Setting:
     needs: Mapping[str, Any] = dataclasses.field(default_factory=dict)
     needs_one_of: tuple[str, ...] = ()
     key: str = ""
+    option: str = ""
     words: tuple[str, ...] = ()
 
 

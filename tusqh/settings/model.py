@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from tusqh.settings.coarsening import Coarsening
 from tusqh.settings.field import setting
 from tusqh.settings.fitting import Fitting
 from tusqh.settings.goal import Goal
@@ -59,6 +60,9 @@ class Settings(Section):
     )
     fitting: Fitting = setting(
         "Whether the boundary is moved onto the geometry.", default=Fitting, is_inline=True
+    )
+    coarsening: Coarsening = setting(
+        "Whether elements away from the boundary are coarser.", default=Coarsening, is_inline=True
     )
     quality: Quality = setting(
         "How far the mesh may be from its geometry.", default=Quality, is_inline=True
@@ -149,6 +153,8 @@ class Model(Section):
             yield ("materials", *path), found, expected
         if self.has_several_materials and self.settings.fitting.fit:
             yield ("fit",), "found True", "false: several materials are not fitted yet"
+        if self.has_several_materials and self.settings.coarsening.coarsen is not None:
+            yield ("coarsen",), "found 'interior'", "none: several materials are not coarsened yet"
         if self.rest is not None and not self.has_several_materials:
             yield ("rest",), f"found {self.rest!r}", "`materials` or `labels` beside it"
 

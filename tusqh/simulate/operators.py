@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from tusqh.coarsening import CoarseMesh
+from tusqh.coarsening.mfem_text import to_mfem
 from tusqh.extras import require
 from tusqh.grid import FloatArray, IntArray
 from tusqh.meshes.volume_mesh import VolumeMesh
@@ -22,7 +24,7 @@ class Operators:
         Sparse matrices of the forms (u, v) and (a grad u, grad v), shape (n_dofs, n_dofs), where a
         is the coefficient.
     nodes
-        Positions of the degrees of freedom, shape (n_dofs, dim).
+        Positions of the degrees of freedom, shape (n_dofs, dim).  Hanging vertices have none.
     points, cells
         The mesh after refinement; at order 1 the points are the nodes.
     """
@@ -52,7 +54,7 @@ class Operators:
 
 
 def assemble(
-    mesh: VolumeMesh,
+    mesh: VolumeMesh | CoarseMesh,
     *,
     refinements: int = 0,
     order: int = 1,
@@ -63,7 +65,8 @@ def assemble(
     Parameters
     ----------
     mesh
-        The mesh, which is checked first.
+        The mesh, which is checked first.  In a coarse mesh, the values at hanging vertices are
+        those that the elements between which they hang give them.
     refinements
         Uniform refinements before the assembly.
     order
@@ -79,9 +82,12 @@ def assemble(
     mfem = require("mfem.ser", extra="simulate")
 
     factors, attributes = np.unique(
-        np.ones(mesh.n_cells) if coefficient is None else coefficient, return_inverse=True
+        np.ones(_n_elements(mesh)) if coefficient is None else coefficient, return_inverse=True
     )
-    native = mesh.to_mfem(attributes + 1)
+    if isinstance(mesh, CoarseMesh):
+        native, mesh = to_mfem(mesh, attributes + 1), mesh.mesh
+    else:
+        native = mesh.to_mfem(attributes + 1)
     for _ in range(refinements):
         native.UniformRefinement()
     space = mfem.FiniteElementSpace(native, mfem.H1_FECollection(order, mesh.dim))
@@ -96,13 +102,23 @@ def assemble(
     cells = mesh.cells
     if refinements:
         cells = np.array([native.GetElementVertices(e) for e in range(native.GetNE())])
+    nodes = points[:, : mesh.dim] if order == 1 else _nodes(native, order, mesh.dim)
+    matrices = [_to_sparse(form.SpMat()) for form in (mass, stiffness)]
+    if native.Nonconforming():
+        prolongation = _to_sparse(space.GetConformingProlongation())
+        matrices = [prolongation.T @ matrix @ prolongation for matrix in matrices]
+        nodes = _to_sparse(space.GetConformingRestriction()) @ nodes
     return Operators(
-        mass=_to_sparse(mass.SpMat()),
-        stiffness=_to_sparse(stiffness.SpMat()),
-        nodes=points[:, : mesh.dim] if order == 1 else _nodes(native, order, mesh.dim),
+        mass=matrices[0],
+        stiffness=matrices[1],
+        nodes=nodes,
         points=points[:, : mesh.dim],
         cells=cells.astype(np.int64),
     )
+
+
+def _n_elements(mesh: VolumeMesh | CoarseMesh) -> int:
+    return (mesh.mesh if isinstance(mesh, CoarseMesh) else mesh).n_cells
 
 
 def _nodes(native: Any, order: int, dim: int) -> FloatArray:

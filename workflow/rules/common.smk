@@ -79,6 +79,8 @@ SIMULATED = [n for n, m in ASSEMBLIES.items() if any(p.diffusivity for p in m.li
 NAMES_OF_ASSEMBLIES = "|".join(ASSEMBLIES) or "(?!)"
 # Models whose boundary is fitted; later steps take the fitted mesh.
 FITTED = [name for name, model in MODELS.items() if model.settings.fitting.fit]
+# Models of which a coarse mesh is made as well.
+COARSENED = [name for name, model in MODELS.items() if model.settings.coarsening.coarsen]
 GEOMETRY = {name: model.geometry for name, model in MODELS.items()}
 DIMENSION = {name: dimension_of(geometry) for name, geometry in GEOMETRY.items()}
 SOLIDS = [name for name, dimension in DIMENSION.items() if dimension == 3]
@@ -136,6 +138,11 @@ def of_fitted(name):
 def files_of_fitted_models(*names):
     """Return files of all fitted models by name."""
     return {name: expand(path, model=FITTED) for name, path in files(*names).items()}
+
+
+def files_of_coarsened_models(*names):
+    """Return files of all models with a coarse mesh by name."""
+    return {name: expand(path, model=COARSENED) for name, path in files(*names).items()}
 
 
 def sweep_meshes(dimension):

@@ -62,6 +62,20 @@ rule fit:
         "../scripts/fit.py"
 
 
+# Merge grid cells inside the mesh that later steps take.
+rule coarsen:
+    input:
+        **files("fractions", "mesh"),
+        fitted=of_fitted("fitted"),
+    output:
+        **files("coarse", "coarse_mfem", "coarsening"),
+    wildcard_constraints:
+        model="|".join(COARSENED) or "(?!)",
+    priority: MODELS_FIRST
+    script:
+        "../scripts/coarsen.py"
+
+
 rule export:
     input:
         **files("mesh"),

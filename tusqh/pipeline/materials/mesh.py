@@ -10,7 +10,7 @@ from tusqh.contacts import MaterialFractions
 from tusqh.errors import ConfigError
 from tusqh.pipeline.materials.gather import Gathered, gather, is_pair, require_known
 from tusqh.pipeline.materials.original import MaterialsOriginal
-from tusqh.pipeline.materials.remarks import leave_out, note_absent, note_fit, note_scope
+from tusqh.pipeline.materials.remarks import leave_out, note_absent, note_scope, note_unsupported
 from tusqh.pipeline.materials.result import MaterialsResult
 from tusqh.pipeline.materials.sample import Sampled
 from tusqh.pipeline.materials.wishes import fulfil
@@ -112,7 +112,7 @@ def mesh_several(
         sampled.fractions,
         found.thresholds,
         sampled.overlaps,
-        (*gathered.remarks, *absent, *note_fit(settings), *note_scope(goal, gathered.wishes)),
+        (*gathered.remarks, *absent, *note_unsupported(settings), *note_scope(goal, gathered.wishes)),
         settings.quality.volume_tolerance,
         settings.quality.checks,
         original,
