@@ -6,55 +6,9 @@ from here.  ``docs/files.md`` lists them with the rules that write and read each
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
-
-@dataclass(frozen=True)
-class ResultFile:
-    """A file in the folder of a model's results.
-
-    Parameters
-    ----------
-    name
-        The name by which code refers to the file.
-    path
-        Path in the folder of the model.
-    sentence
-        A sentence on the content of the file.
-    columns
-        Columns of a table, for a solid; an outline has no ``k`` and ``z``.
-    columns_of_materials
-        The columns of a model of several materials, if they are others.
-    """
-
-    name: str
-    path: str
-    sentence: str
-    columns: tuple[str, ...] = ()
-    columns_of_materials: tuple[str, ...] = ()
-
-    def columns_of(self, dimension: int) -> tuple[str, ...]:
-        """Return the columns of the table for a geometry of a dimension.
-
-        Parameters
-        ----------
-        dimension
-            2 for an outline, 3 for a solid.
-
-        Returns
-        -------
-        tuple of str
-            The columns, in their order in the file.
-
-        Examples
-        --------
-        >>> RESULT_FILES["features"].columns_of(2)[-2:]
-        ('x', 'y')
-        """
-        if dimension == 3:
-            return self.columns
-        return tuple(c for c in self.columns if not {"k", "z"} & set(c.split("_")))
+from tusqh.result_file import ResultFile, columns
 
 
 def path_of(name: str, folder: Path) -> Path:
@@ -85,10 +39,6 @@ def path_of(name: str, folder: Path) -> Path:
     return folder / RESULT_FILES[name].path
 
 
-def _columns(*parts: str) -> tuple[str, ...]:
-    return tuple(" ".join(parts).split())
-
-
 _BETTI = "betti_0 betti_1 betti_2"
 _CELL_SET = "cells contacts bridges removed filled"
 _AT = "{0}_at {0}_i {0}_j {0}_k {0}_x {0}_y {0}_z"
@@ -104,20 +54,20 @@ _GEOMETRY_TO_SELECTION = (
         "defects",
         "defects.csv",
         "the defects of the geometry, counted and measured",
-        _columns("defect count measure unit explanation"),
+        columns("defect count measure unit explanation"),
     ),
     ResultFile("fractions", "fractions.npz", "the volume fractions of cells and sub-cells"),
     ResultFile(
         "curves",
         "curves.csv",
         "the Betti numbers of the filtration at every plateau of the threshold",
-        _columns("upper lower width", _BETTI, "euler"),
+        columns("upper lower width", _BETTI, "euler"),
     ),
     ResultFile(
         "diagram",
         "diagram.csv",
         "the persistence pairs, with the cells that create and destroy each feature",
-        _columns(
+        columns(
             "dimension birth death persistence essential", _AT.format("birth"), _AT.format("death")
         ),
     ),
@@ -125,13 +75,13 @@ _GEOMETRY_TO_SELECTION = (
         "diagonal",
         "diagonal.csv",
         "the number of persistence pairs that are born and die at the same volume fraction",
-        _columns("dimension birth pairs"),
+        columns("dimension birth pairs"),
     ),
     ResultFile(
         "topologies",
         "topologies.csv",
         "the topology of the mesh at every plateau of the threshold",
-        _columns(
+        columns(
             "upper lower width threshold",
             _CELL_SET,
             _BETTI,
@@ -142,7 +92,7 @@ _GEOMETRY_TO_SELECTION = (
         "candidates",
         "candidates.csv",
         "the intervals of the threshold that give the wanted topology, ranked, with margins",
-        _columns(
+        columns(
             "rank threshold upper lower width margin unexamined plateaus",
             _CELL_SET,
             _BETTI,
@@ -153,8 +103,8 @@ _GEOMETRY_TO_SELECTION = (
         "prices",
         "prices.csv",
         "what it costs to open, cut or fill each class of the diagram at the base, by itself",
-        _columns("row class birth death do change cells volume", _BETTI, "possible why x y z"),
-        _columns(
+        columns("row class birth death do change cells volume", _BETTI, "possible why x y z"),
+        columns(
             "material row class birth death do cells volume volumes",
             _BETTI,
             "others possible why x y z",
@@ -174,7 +124,7 @@ _MESH_TO_VERDICT = (
         "features",
         "features.csv",
         "every small component that was removed and every small hole or void that was filled",
-        _columns(
+        columns(
             "feature cells volume persistence smallest_fraction largest_fraction",
             "interior_sub_cells x y z",
         ),
@@ -183,14 +133,14 @@ _MESH_TO_VERDICT = (
         "bridges",
         "bridges.csv",
         "the bridges that join archipelagos, and the components that could not be joined",
-        _columns("kind edges length cells_a cells_b x_a y_a z_a x_b y_b z_b status"),
+        columns("kind edges length cells_a cells_b x_a y_a z_a x_b y_b z_b status"),
     ),
     ResultFile(
         "changes",
         "changes.csv",
         "with local scope: the cells that differ from those of the base, in groups",
-        _columns("change cells volume smallest_fraction largest_fraction do class row x y z"),
-        _columns("from to cells volume do material class row x y z"),
+        columns("change cells volume smallest_fraction largest_fraction do class row x y z"),
+        columns("from to cells volume do material class row x y z"),
     ),
     ResultFile(
         "certificate",
@@ -222,31 +172,31 @@ _MESH_TO_VERDICT = (
         "distances",
         "distances.csv",
         "with `fit`: the distances from the boundary to the surface and back",
-        _columns("from at count unit mean p99 max"),
+        columns("from at count unit mean p99 max"),
     ),
     ResultFile(
         "unfitted",
         "unfitted.csv",
         "with `fit`: every part of the boundary that does not follow the surface, and why",
-        _columns("x y z points what why"),
+        columns("x y z points what why"),
     ),
     ResultFile(
         "elements",
         "elements.csv",
         "the statistics of the element metrics",
-        _columns("metric min p01 median mean max unit"),
+        columns("metric min p01 median mean max unit"),
     ),
     ResultFile(
         "verdict",
         "verdict.csv",
         "every check of the mesh: found, required, holds",
-        _columns("id material name found required holds remedy"),
+        columns("id material name found required holds remedy"),
     ),
     ResultFile(
         "verification",
         "verification.csv",
         "the predicted and measured topology at every threshold of the sweep",
-        _columns(
+        columns(
             "model material dimension grid threshold cells_kept elements contacts overruled",
             "betti_0_predicted betti_1_predicted betti_2_predicted",
             "betti_0_measured betti_1_measured betti_2_measured",
@@ -260,7 +210,7 @@ _MATERIALS = (
         "materials",
         "materials.csv",
         "of several materials: the threshold, the volume and the topology of each",
-        _columns(
+        columns(
             "material threshold elements volume volume_of_geometry",
             "betti_0_predicted betti_1_predicted betti_2_predicted",
             "betti_0_measured betti_1_measured betti_2_measured",
@@ -271,7 +221,7 @@ _MATERIALS = (
         "pairs",
         "pairs.csv",
         "of several materials: the overlap, the gap and the interface of every two",
-        _columns("first second overlap gap facets area"),
+        columns("first second overlap gap facets area"),
     ),
     ResultFile("figure_materials", "figures/materials.png", "the mesh, coloured by material"),
 )
@@ -290,7 +240,7 @@ _USES = (
         "amount",
         "simulation/amount.csv",
         "the conserved amount and the extremes of the concentration in every snapshot",
-        _columns(
+        columns(
             "step time_s amount amount_unit amount_relative_error",
             "concentration_min concentration_max concentration_unit undershoot",
         ),
@@ -335,13 +285,13 @@ TABLES_OF_ALL_MODELS = (
         "verdicts",
         "tables/verdicts.csv",
         "the volume of every mesh against its reference, the warnings and the verdict",
-        _columns("model file reference reference_volume volume volume_ratio warnings verdict"),
+        columns("model file reference reference_volume volume volume_ratio warnings verdict"),
     ),
     ResultFile(
         "fit_table",
         "tables/fit.csv",
         "with `fit`: quality, distances in cells and topology of every fitted mesh",
-        _columns(
+        columns(
             "model dimension grid elements min_scaled_jacobian share_below_0_3",
             "mean_distance p99_distance max_distance surface_mean_distance volume_error",
             "self_intersections betti_same fell_back trusted",
@@ -351,6 +301,6 @@ TABLES_OF_ALL_MODELS = (
         "fit_timing",
         "tables/fit_timing.csv",
         "with `fit`: what every fit took, which differs from run to run",
-        _columns("model seconds peak_gb"),
+        columns("model seconds peak_gb"),
     ),
 )

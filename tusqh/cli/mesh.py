@@ -17,7 +17,7 @@ from tusqh.errors import ConfigError, TopologyError
 from tusqh.settings.model import Settings
 
 if TYPE_CHECKING:
-    from tusqh.pipeline.result import Report
+    from tusqh.pipeline.report import Report
 
 
 @options.with_settings()

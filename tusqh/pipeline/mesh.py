@@ -8,10 +8,14 @@ from typing import Any, Literal
 
 from tusqh.geometry.image import Image
 from tusqh.geometry.outline import Outline
+from tusqh.geometry.remark import Remark
 from tusqh.geometry.small_pieces import remarks_on_small_polygons
-from tusqh.pipeline.build import build, require_volume
+from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.pipeline.build import Built, build, require_volume
+from tusqh.pipeline.coarsen import Coarsened
 from tusqh.pipeline.coarsen import coarsen as coarsen_built
 from tusqh.pipeline.describe_reading import describe_reading
+from tusqh.pipeline.fit import Fit
 from tusqh.pipeline.fit import fit as fit_built
 from tusqh.pipeline.judge import judge_built
 from tusqh.pipeline.materials.mesh import has_several_materials, mesh_several
@@ -22,6 +26,8 @@ from tusqh.pipeline.result import Result
 from tusqh.pipeline.select import select
 from tusqh.pipeline.unused_settings import read_with
 from tusqh.progress import Progress, log_progress
+from tusqh.readers.reading import Reading
+from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.orient import orient
 from tusqh.settings.arguments import arguments_of, explains_unknown_arguments, from_arguments
 from tusqh.settings.goal import Base, Scope
@@ -237,9 +243,8 @@ def run_stages(
         name = Path(source).stem if isinstance(source, (str, Path)) else "model"
     progress("reading")
     reading = read_with(source, settings, name=name)
-    geometry = reading.geometry
     original = Original(
-        geometry,
+        reading.geometry,
         settings.grid,
         settings.sampling,
         settings.window,
@@ -259,43 +264,54 @@ def run_stages(
         progress=progress,
     )
     progress("mesh")
-    built = build(
-        fractions,
-        choice.selection,
-        name=name,
-        original=original,
-        reference=reference,
-    )
+    built = build(fractions, choice.selection, name=name, original=original, reference=reference)
     if settings.goal.volume is not None:
         require_volume(built)
-    fitted = None
-    if settings.fitting.fit:
-        progress("fit")
-        fitted = fit_built(built.mesh, choice.selection, fractions, original, built.facts)
-    coarse = None
-    if settings.coarsening.coarsen is not None:
-        progress("coarsen")
-        coarse = coarsen_built(built.mesh if fitted is None else fitted.mesh, fractions.grid)
+    fitted = _fit(built, original, settings, progress)
+    coarse = _coarsen(built.mesh if fitted is None else fitted.mesh, fractions, settings, progress)
     progress("quality")
-    judgement = judge_built(built, fitted, settings.quality)
-    remarks = reading.remarks
-    if not isinstance(geometry, Image):
-        remarks += orient(geometry, settings.sampling.orientation).remarks
-    if isinstance(geometry, Outline):
-        is_outside = settings.sampling.domain == "outside"
-        kept = built.resolved.cells.kept
-        remarks += remarks_on_small_polygons(geometry, fractions.grid, kept, is_outside=is_outside)
-    read = describe_reading(reading)
     return Result(
-        geometry,
+        reading.geometry,
         fractions,
         found,
         choice,
         built,
-        judgement,
+        judge_built(built, fitted, settings.quality),
         settings,
-        read,
-        remarks,
+        describe_reading(reading),
+        _remarks(reading, settings, built),
         fitted,
         coarse,
     )
+
+
+def _fit(built: Built, original: Original, settings: Settings, progress: Progress) -> Fit | None:
+    """Return the fitted mesh if the settings ask for it."""
+    if not settings.fitting.fit:
+        return None
+    progress("fit")
+    return fit_built(built.mesh, built.selection, built.fractions, original, built.facts)
+
+
+def _coarsen(
+    mesh: VolumeMesh, fractions: VolumeFractions, settings: Settings, progress: Progress
+) -> Coarsened | None:
+    """Return the coarse mesh if the settings ask for it."""
+    if settings.coarsening.coarsen is None:
+        return None
+    progress("coarsen")
+    return coarsen_built(mesh, fractions.grid)
+
+
+def _remarks(reading: Reading, settings: Settings, built: Built) -> tuple[Remark, ...]:
+    """Return the remarks on what reading, orienting and meshing left out, changed or noted."""
+    geometry, remarks = reading.geometry, reading.remarks
+    if not isinstance(geometry, Image):
+        remarks += orient(geometry, settings.sampling.orientation).remarks
+    if isinstance(geometry, Outline):
+        is_outside = settings.sampling.domain == "outside"
+        cells = built.resolved.cells
+        remarks += remarks_on_small_polygons(
+            geometry, built.fractions.grid, cells.kept, is_outside=is_outside
+        )
+    return remarks

@@ -107,12 +107,14 @@ def mesh_several(
         name=name,
     )
     absent = note_absent(found.mesh, sampled.fractions, found.thresholds)
+    remarks = gathered.remarks + absent + note_unsupported(settings)
+    remarks += note_scope(goal, gathered.wishes)
     return MaterialsResult(
         found.mesh,
         sampled.fractions,
         found.thresholds,
         sampled.overlaps,
-        (*gathered.remarks, *absent, *note_unsupported(settings), *note_scope(goal, gathered.wishes)),
+        remarks,
         settings.quality.volume_tolerance,
         settings.quality.checks,
         original,
