@@ -60,6 +60,11 @@ def columns(*parts: str) -> tuple[str, ...]:
     *parts
         Texts with names.
 
+    Returns
+    -------
+    tuple of str
+        The names.
+
     Examples
     --------
     >>> columns("dimension birth", "death")

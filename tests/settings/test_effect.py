@@ -26,6 +26,7 @@ VALUES = {
     **{"scope": "local", "base": "0.25", "open": ["0"], "cut": ["1"], "fill": ["hole@0,1"]},
     **{"checks": True, "fit": True, "inside": "union", "seal": "0.5", "thickness": "1 cell"},
     **{"unit": "mm", "scale": "2", "convert_to": "m", "crs": "utm"},
+    **{"coarsen": True},
     **{
         prefix + name: value
         for prefix in ("", "holes_", "voids_")
