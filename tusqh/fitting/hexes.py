@@ -22,7 +22,12 @@ from tusqh.meshes.volume_mesh import VolumeMesh
 _LOG = logging.getLogger("tusqh")
 
 #: Feature edges are given up if the least scaled Jacobian is below this, and larger without them.
-_LEAST_WITH_FEATURES = 0.25
+_LEAST_WITH_FEATURES = 0.3
+#: Weights that hold a boundary that was pulled apart, one for each round; the first gives way.
+_HOLDS = (10.0, 50.0, 200.0)
+
+#: What happens to the boundary where it cannot be pulled apart.
+PUT_BACK = "put back towards the staircase"
 
 
 def fit_hexes(
@@ -51,14 +56,15 @@ def fit_hexes(
     begin = perf_counter()
     scale = (target.grid.cell_size, np.array(target.grid.origin))
     rounds, regions = _run(mesh, target, fixed, threshold, True)
-    least = float(rounds.moving.quality.scaled.min(initial=1.0))
-    if rounds.features is not None and least < _LEAST_WITH_FEATURES:
+    if rounds.features is not None and _badness(rounds, regions) > 0:
         others = _run(mesh, target, fixed, threshold, False)
-        plain = float(others[0].moving.quality.scaled.min(initial=1.0))
-        if plain > least:
+        if _badness(*others) < _badness(rounds, regions):
             is_on = np.zeros(len(rounds.moving.points), dtype=np.bool_)
             is_on[rounds.skin.vertices[rounds.features.vertex]] = True
-            why = f"a hex would have a scaled Jacobian of {least:.2f} rather than {plain:.2f}"
+            least, plain = (float(r.moving.quality.scaled.min()) for r in (rounds, others[0]))
+            why = f"worst scaled Jacobian {least:.2f} with and {plain:.2f} without them"
+            if least >= _LEAST_WITH_FEATURES:
+                why = CROSSING
             row = list_regions(rounds.moving, is_on, "feature edges given up", why, scale)
             rounds, regions = others[0], [*others[1], row]
     moving = rounds.moving
@@ -76,6 +82,17 @@ def fit_hexes(
     return Fitted(new, distances, fell_back, {"seconds": perf_counter() - begin})
 
 
+def _badness(rounds: Rounds, regions: list[pd.DataFrame]) -> float:
+    """Return how much is wrong with a fitted mesh: what its worst hex lacks, and what was put back.
+
+    0 for a mesh whose feature edges may stay.
+    """
+    least = float(rounds.moving.quality.scaled.min(initial=1.0))
+    rows = pd.concat(regions, ignore_index=True)
+    n_back = int(rows.loc[rows["what"] == PUT_BACK, "points"].sum())
+    return max(0.0, _LEAST_WITH_FEATURES - least) + n_back / max(rounds.skin.n_vertices, 1)
+
+
 def _run(
     mesh: ElementMesh,
     target: Target,
@@ -90,12 +107,36 @@ def _run(
     safe = moving.points.copy()
     rounds.fit(threshold)
     faults = Faults(moving, skin)
+    why = CROSSING if faults.crossed.any() else FOLD
+    pulled = _pull_apart(rounds)
+    regions.append(list_regions(moving, pulled, "pulled towards the staircase", why, scale))
+    faults = Faults(moving, skin)
     touched = put_back(moving, skin, safe)
     if touched.any():
         _polish_again(rounds, touched)
     why = CROSSING if faults.crossed.any() else FOLD
-    regions.append(list_regions(moving, touched, "put back towards the staircase", why, scale))
+    regions.append(list_regions(moving, touched, PUT_BACK, why, scale))
     return rounds, regions
+
+
+def _pull_apart(rounds: Rounds) -> BoolArray:
+    """Pull boundary vertices around faults towards the smoothed staircase, and polish there.
+
+    Returns
+    -------
+    pulled
+        Whether each vertex of the mesh was pulled, shape (n,).
+    """
+    moving, skin = rounds.moving, rounds.skin
+    pulled = np.zeros(len(moving.points), dtype=np.bool_)
+    for weight in _HOLDS:
+        now = pull_back(moving, skin, rounds.calm.place)
+        if not now.any():
+            return pulled
+        pulled |= now
+        rounds.hold(pulled, weight, gives_way=weight == _HOLDS[0])
+        rounds.polish()
+    return pulled
 
 
 def _polish_again(rounds: Rounds, touched: BoolArray) -> None:

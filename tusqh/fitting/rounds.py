@@ -15,6 +15,7 @@ from tusqh.fitting.moving import Moving
 from tusqh.fitting.nearest_sample import Bins, find_samples, sort_samples
 from tusqh.fitting.pillow import pillow
 from tusqh.fitting.planes import FitTerms, Planes, choose, combine, squares
+from tusqh.fitting.polish import polish
 from tusqh.fitting.skin import Skin, unit
 from tusqh.fitting.target import Target, to_cells
 from tusqh.grid import BoolArray, FloatArray, IntArray
@@ -34,16 +35,14 @@ _OWN = 1 / 3
 _SAME = 0.02
 #: Weights of the fit term in the rounds of planes.
 _WEIGHTS = (10.0, 20.0, 50.0, 100.0, 200.0, 400.0, 400.0)
-#: Scaled Jacobian that the polish wishes for, and that ends it.
-_WISH, _ENOUGH = 0.5, 0.46
+#: Scaled Jacobian that each hex should reach in the polish.
+_ENOUGH = 0.46
 #: The same at feature edges, where a facet may have a corner of nearly 180 degrees.
 _ENOUGH_SHARP = 0.32
 #: Weight of the fit term that leads to the smoothed staircase.
 _CALM = 100.0
 #: Weight of the fit term that holds a vertex where it is, in the polish.
 _HOLD = 10.0
-#: Rounds of the polish, and the factor of the weights around bad hexes in each.
-_POLISHES, _RELEASE = 6, 0.25
 
 
 @dataclass
@@ -70,6 +69,8 @@ class Rounds:
         The samples of the target, with their patches if there are features.
     features
         The feature edges; None if there are none.
+    held
+        Vertices of the mesh whose fit terms do not give way in the polish, shape (n,); None: none.
     """
 
     moving: Moving
@@ -81,6 +82,7 @@ class Rounds:
     calm: FitTerms
     bins: Bins
     features: Features | None
+    held: BoolArray | None = None
 
     @classmethod
     def of(
@@ -183,19 +185,24 @@ class Rounds:
         self.moving.sweep(3)
         self._log("calm")
 
-    def hold(self, chosen: BoolArray) -> None:
+    def hold(self, chosen: BoolArray, weight: float = _HOLD, *, gives_way: bool = True) -> None:
         """Let the fit terms of some boundary vertices hold them where they are.
 
         Parameters
         ----------
         chosen
             Vertices of the mesh, shape (n,).
+        weight
+            Weight of the fit terms.
+        gives_way
+            Whether the polish may lower the weight where hexes are bad.
         """
         vertices = self.skin.vertices[chosen[self.skin.vertices]]
         matrix = np.zeros((len(vertices), 6))
         matrix[:, :3] = 1.0
         terms = FitTerms(matrix, self.moving.points[vertices])
-        self.moving.aim(vertices, terms, np.full(len(vertices), _HOLD))
+        self.moving.aim(vertices, terms, np.full(len(vertices), weight))
+        self.held = None if gives_way else chosen
 
     def follow(self, threshold: float) -> None:
         """Follow the level sets from the threshold of the mesh to 1/2.
@@ -311,19 +318,8 @@ class Rounds:
         self._log(f"weight {weight}, {is_found.mean():.3f} on samples, {is_level.mean():.3f}")
 
     def polish(self) -> None:
-        """Raise the smallest scaled Jacobians, with weaker fit terms around the worst hexes."""
-        for round_ in range(_POLISHES):
-            scaled = self.moving.quality.scaled
-            is_bad = scaled < self.enough
-            if not is_bad.any():
-                return
-            if round_ > 0:
-                around = np.unique(self.moving.cells[is_bad])
-                self.moving.weight[around] *= _RELEASE
-            self.moving.moved[:] = 0.0
-            self.moving.moved[self.moving.cells[scaled < _WISH]] = 1.0
-            self.moving.sweep(4, wish=_WISH, longest=0.1)
-            self._log("polished")
+        """Raise the smallest scaled Jacobians, see `tusqh.fitting.polish.polish`."""
+        polish(self.moving, self.enough, self.held)
 
     @cached_property
     def enough(self) -> FloatArray:

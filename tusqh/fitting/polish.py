@@ -1,0 +1,57 @@
+"""Raise the smallest scaled Jacobians of hexes, at some cost to the distance around the worst."""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+
+from tusqh.fitting.moving import Moving
+from tusqh.grid import BoolArray, FloatArray
+
+_LOG = logging.getLogger("tusqh")
+
+#: Scaled Jacobians that the polish wishes for, first and later.
+_WISH, _LATER_WISH = 0.6, 0.7
+#: Rounds: those in which all hexes count, and all.
+_WIDE, _ROUNDS = 4, 18
+#: Factor of the weights around bad hexes in each round, and the weight that they keep.
+_RELEASE, _KEPT = 0.25, 0.1
+
+
+def polish(moving: Moving, enough: FloatArray, held: BoolArray | None = None) -> None:
+    """Move vertices so that the worst hexes become better.
+
+    In the first rounds all hexes below the wish count, then only those that are not yet good enough
+    and their neighbours.  Fit terms around hexes that stay bad become weaker.
+
+    Parameters
+    ----------
+    moving
+        The hexes; change in place.
+    enough
+        Scaled Jacobian with which each hex is good enough, shape (m,).
+    held
+        Vertices whose fit terms keep their weights, shape (n,); None: none.
+    """
+    for round_ in range(_ROUNDS):
+        scaled = moving.quality.scaled
+        is_bad = scaled < enough
+        if not is_bad.any():
+            return
+        around = np.zeros(len(moving.points), dtype=np.bool_)
+        around[moving.cells[is_bad]] = True
+        moving.moved[:] = 0.0
+        is_wide = round_ < _WIDE
+        if is_wide:
+            moving.moved[moving.cells[scaled < _WISH]] = 1.0
+        else:
+            moving.moved[moving.spread(around, 2)] = 1.0
+            around = moving.spread(around, 1)
+        if round_ > 0:
+            if held is not None:
+                around &= ~held
+            weight = moving.weight[around]
+            moving.weight[around] = np.maximum(_RELEASE * weight, np.minimum(weight, _KEPT))
+        moving.sweep(4, wish=_WISH if is_wide else _LATER_WISH, longest=0.1)
+        _LOG.debug("polished: least scaled Jacobian %.4f", moving.quality.scaled.min())
