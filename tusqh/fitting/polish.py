@@ -14,7 +14,10 @@ _LOG = logging.getLogger("tusqh")
 #: Scaled Jacobians that the polish wishes for, first and later.
 _WISH, _LATER_WISH = 0.6, 0.7
 #: Rounds: those in which all hexes count, and all.
-_WIDE, _ROUNDS = 4, 18
+_WIDE, _ROUNDS = 4, 24
+#: Scaled Jacobian that ends the later rounds where more than this share of the hexes is bad: there
+#: the distance matters more.
+_LEAST, _MANY = 0.35, 0.005
 #: Factor of the weights around bad hexes in each round, and the weight that they keep.
 _RELEASE, _KEPT = 0.25, 0.1
 
@@ -23,7 +26,8 @@ def polish(moving: Moving, enough: FloatArray, held: BoolArray | None = None) ->
     """Move vertices so that the worst hexes become better.
 
     In the first rounds all hexes below the wish count, then only those that are not yet good enough
-    and their neighbours.  Fit terms around hexes that stay bad become weaker.
+    and their neighbours; the few worst if that is a large share of the mesh.  Fit terms around
+    hexes that stay bad become weaker.
 
     Parameters
     ----------
@@ -37,12 +41,14 @@ def polish(moving: Moving, enough: FloatArray, held: BoolArray | None = None) ->
     for round_ in range(_ROUNDS):
         scaled = moving.quality.scaled
         is_bad = scaled < enough
+        is_wide = round_ < _WIDE
+        if not is_wide and is_bad.mean() > _MANY:
+            is_bad &= scaled < _LEAST
         if not is_bad.any():
             return
         around = np.zeros(len(moving.points), dtype=np.bool_)
         around[moving.cells[is_bad]] = True
         moving.moved[:] = 0.0
-        is_wide = round_ < _WIDE
         if is_wide:
             moving.moved[moving.cells[scaled < _WISH]] = 1.0
         else:
