@@ -198,6 +198,44 @@ def draw_gallery() -> Figure:
     return figure
 
 
+def sheets_and_solids() -> Outline:
+    """Return the outline of a disc, a double-sided hull with a slit, clutter and an open sheet."""
+    turn = np.linspace(0, 2 * np.pi, 60)
+    disc = 0.8 * np.column_stack([np.cos(turn), np.sin(turn)]) + [7.4, 1.0]
+    slit = 0.08
+    hull = np.array([[0.0, 1 + slit], [0, 2.2], [1.2, 3], [4.8, 3], [5.6, 2.2], [5.6, 0], [0, 0],
+                     [0, 1]])  # fmt: skip
+    clutter = [np.array([[x + 0.5, 1.9], [x, 0.6]]) for x in (1.1, 2.3, 3.5)]
+    sheet = np.array([[8.4, 3.0], [7.0, 3.4], [5.6, 2.2]])
+    return Outline.from_chains([disc, hull, hull[::-1], *clutter, sheet], name="sheets")
+
+
+def draw_insides() -> Figure:
+    """Draw the fractions of an outline of sheets and solids for each way to tell its inside."""
+    outline = sheets_and_solids()
+    figure, axes = style.new_figure(2, 2, width=9.0, height=4.6)
+    words = {
+        "winding": "winding: open sheets blur it",
+        "envelope": "envelope: slit closed, clutter gone",
+        "shell": "shell: all sheets, one cell thick",
+        "union": "union: the disc, and all sheets",
+    }
+    for panel, (inside, title) in zip(axes.ravel(), words.items(), strict=True):
+        result = tusqh.mesh(outline, cell_size=0.25, inside=inside, bridges="none")
+        grid = result.fractions.grid
+        extent = (grid.origin[0], grid.upper[0], grid.origin[1], grid.upper[1])
+        panel.imshow(
+            result.fractions.cells.T, origin="lower", extent=extent, cmap="Blues", vmin=0, vmax=1
+        )
+        style.draw_outline(panel, outline, 1.0)
+        panel.set_xlim(-0.4, 8.9)
+        panel.set_ylim(-0.4, 3.8)
+        panel.set_axis_off()
+        betti = result.report.measured
+        panel.set_title(f"{title}\n{betti.betti_0} components, {betti.betti_1} holes at 1/2")
+    return figure
+
+
 def _cut(mesh: VolumeMesh) -> VolumeMesh:
     """Return the half of a mesh behind the plane through its middle."""
     keep = mesh.points[mesh.cells].mean(axis=1)[:, 1] > 0
@@ -250,6 +288,7 @@ DRAWINGS = {
     "bearing": draw_bearing,
     "gallery": draw_gallery,
     "fitted": draw_fitted,
+    "insides": draw_insides,
 }
 
 

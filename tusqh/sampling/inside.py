@@ -26,6 +26,8 @@ from tusqh.settings.sampling import Orientation, Sampling
 _STEPS = 2.0
 #: Largest difference of two samples that are the same, in steps.
 _SAME = 1e-6
+#: Least winding number in a solid, up to rounding.
+_HALF = 0.5 - 1e-9
 #: Samples of a winding number that are summed at a time to find its sign.
 _AT_A_TIME = 8_000_000
 
@@ -159,7 +161,7 @@ class EnvelopeField:
 
 @dataclass(frozen=True)
 class UnionField:
-    """The winding number, and 1 in a shell around the surface where it is less.
+    """The points with a winding number of at least 1/2, and those near the geometry.
 
     Parameters
     ----------
@@ -193,8 +195,8 @@ class UnionField:
         """
         single, half = lattice.of_samples(), lattice.half
         first, last = begin * int(half[0]), end * int(half[0])
-        values = self.sign(lattice) * self.winding.sums(single, first, last)
-        np.maximum(values, self.shell.sums(single, first, last), out=values)
+        is_solid = self.sign(lattice) * self.winding.sums(single, first, last) >= _HALF
+        values = np.maximum(is_solid, self.shell.sums(single, first, last))
         blocked = [m for n, h in zip(values.shape, half, strict=True) for m in (n // h, h)]
         return np.asarray(values.reshape(blocked).sum(axis=(1, 3, 5)))
 
@@ -204,15 +206,19 @@ class UnionField:
         Parameters
         ----------
         lattice
-            The samples whose mean decides.
+            The samples, of which more have at least 1/2 than at most -1/2 afterwards.
         """
         if self.orientation != "auto":
             return -1 if self.orientation == "flip" else 1
         if not self._sign:
-            n, per = int(lattice.n_blocks[0]), int(lattice.n_blocks[1] * lattice.n_blocks[2])
+            single = lattice.of_samples()
+            n, per = int(single.n_blocks[0]), int(single.n_blocks[1] * single.n_blocks[2])
             rows = max(16, _AT_A_TIME // per // 16 * 16)
-            parts = (self.winding.sums(lattice, k, min(k + rows, n)) for k in range(0, n, rows))
-            self._sign.append(-1 if sum(float(part.sum()) for part in parts) < 0 else 1)
+            surplus = 0
+            for k in range(0, n, rows):
+                values = self.winding.sums(single, k, min(k + rows, n))
+                surplus += int((values >= _HALF).sum()) - int((values <= -_HALF).sum())
+            self._sign.append(-1 if surplus < 0 else 1)
         return self._sign[0]
 
 
