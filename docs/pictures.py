@@ -205,8 +205,10 @@ def sheets_and_solids() -> Outline:
     slit = 0.08
     hull = np.array([[0.0, 1 + slit], [0, 2.2], [1.2, 3], [4.8, 3], [5.6, 2.2], [5.6, 0], [0, 0],
                      [0, 1]])  # fmt: skip
-    clutter = [np.array([[x + 0.5, 1.9], [x, 0.6]]) for x in (1.1, 2.3, 3.5)]
-    sheet = np.array([[8.4, 3.0], [7.0, 3.4], [5.6, 2.2]])
+    clutter = [
+        np.array([[x + 0.5, 1.9], [x, 0.6]])[::way] for x, way in ((1.1, 1), (2.3, -1), (3.5, 1))
+    ]
+    sheet = np.array([[5.6, 2.2], [8.4, 3.2]])
     return Outline.from_chains([disc, hull, hull[::-1], *clutter, sheet], name="sheets")
 
 
@@ -232,7 +234,7 @@ def draw_insides() -> Figure:
         panel.set_ylim(-0.4, 3.8)
         panel.set_axis_off()
         betti = result.report.measured
-        panel.set_title(f"{title}\n{betti.betti_0} components, {betti.betti_1} holes at 1/2")
+        panel.set_title(f"{title}\ncomponents: {betti.betti_0}, holes: {betti.betti_1}")
     return figure
 
 

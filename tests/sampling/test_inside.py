@@ -1,5 +1,7 @@
 """Insides that are made: envelopes and shells, against exact distances, SciPy and shapely."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import shapely
@@ -14,6 +16,7 @@ from tusqh.sampling.envelope import GROWTH, corners_of, make_envelope
 from tusqh.sampling.flood import COVERED, REACHED
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.inside import EnvelopeField, ShellField
+from tusqh.sampling.inside_lengths import seal_of
 from tusqh.sampling.lattice import Lattice
 from tusqh.sampling.layout import lay_grid
 from tusqh.sampling.offset_scan import mark_near
@@ -181,6 +184,26 @@ def test_lengths_that_do_not_fit_are_refused(sampling, message):
     grid = BackgroundGrid((8, 8, 8), 0.25, (-1.0, -1.0, -1.0))
     with pytest.raises(SamplingError, match=message):
         sample_fractions(ball, grid, sampling=sampling)
+
+
+def test_lengths_have_units_and_count_in_cells():
+    ball = soup_of(trimesh.creation.icosphere(1))
+    known = replace(ball, unit="cm")
+    for text, geometry, expected in (
+        ("5 mm", known, 0.5),
+        ("0.25 cm", known, 0.25),
+        ("1e-2 m", known, 1.0),
+        ("1.5 millimetres", known, 0.15),
+        ("2 cells", ball, 0.5),
+        (0.3, ball, 0.3),
+        ("0.3", known, 0.3),
+        (None, ball, 0.125),
+    ):
+        found = seal_of(geometry, Sampling(inside="envelope", seal=text), 0.25)
+        assert found == pytest.approx(expected)
+    with pytest.raises(SamplingError, match="the unit of the geometry is not known") as error:
+        seal_of(ball, Sampling(inside="envelope", seal="2 mm"), 0.25)
+    assert "--unit mm" in str(error.value)
 
 
 def test_an_envelope_that_is_empty_says_what_to_do():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from tusqh.errors import SamplingError
 from tusqh.geometry.kinds import Surface
+from tusqh.geometry.units import METRES, metres_in, unit_name
 from tusqh.sampling.lattice import Box
 from tusqh.settings.grid import Grid
 from tusqh.settings.length_text import CELLS, split_length
@@ -30,7 +31,7 @@ def seal_of(geometry: Surface, sampling: Sampling, cell_size: float) -> float:
     Raises
     ------
     SamplingError
-        The ball is as large as the geometry, or the unit of the seal is not known.
+        The ball is as large as the geometry, or a unit of length is not known.
     """
     seal = _in_model_units(sampling.seal, _SEAL, "seal", geometry, cell_size)
     longest = _longest_side(geometry)
@@ -60,7 +61,7 @@ def thickness_of(geometry: Surface, sampling: Sampling, cell_size: float) -> flo
     Raises
     ------
     SamplingError
-        The shell is thinner than a quarter of a cell, or the unit of the thickness is not known.
+        The shell is thinner than a quarter of a cell, or a unit of length is not known.
     """
     thickness = _in_model_units(sampling.thickness, _THICKNESS, "thickness", geometry, cell_size)
     if thickness < _THINNEST * cell_size * (1 - 1e-9):
@@ -131,14 +132,24 @@ def _in_model_units(
     number, unit = found
     if unit in CELLS:
         return number * cell_size
-    if unit:
+    if not unit or unit_name(unit) == geometry.unit:
+        return number
+    size, own = metres_in(unit_name(unit)), metres_in(geometry.unit)
+    if size is None:
         raise SamplingError(
             f"the unit {unit!r}",
             where=name,
-            expected="the unit of the geometry, or `cells`",
+            expected=f"a unit of length, one of {', '.join(METRES)}, or `cells`",
             remedy=f"give a number in the unit of the geometry, or `{name}: 0.5 cells`",
         )
-    return number
+    if own is None:
+        raise SamplingError(
+            f"{given}, and the unit of the geometry is not known",
+            where=name,
+            expected="a geometry with a unit of length",
+            remedy="state the unit of the geometry, such as `--unit mm`, or give a number in it",
+        )
+    return number * size / own
 
 
 def _longest_side(geometry: Surface) -> float:

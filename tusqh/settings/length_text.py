@@ -7,7 +7,7 @@ import re
 #: How a length is written, for sentences.
 FORM = "in the model's unit, in cells (`0.5 cells`), or with a unit (`2 mm`)"
 
-_TEXT = re.compile(r"\s*([0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?)\s*([A-Za-zµ]*)\s*")
+_TEXT = re.compile(r"\s*([0-9]*\.?[0-9]+(?:[eE][-+]?[0-9]+)?)\s*([A-Za-zµμ -]*?)\s*")
 
 #: Words for the size of a cell.
 CELLS = ("cell", "cells")

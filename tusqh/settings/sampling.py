@@ -41,7 +41,8 @@ class Sampling(Section):
     inside: Inside = setting(
         "What is inside: where the surface winds (`winding`); what a ball cannot reach from "
         "outside (`envelope`), for doubled sheets, gaps and inner clutter; what is near the "
-        "surface (`shell`), for open sheets; or the shell and the solids that the surface winds around by at least 1/2 (`union`).",
+        "surface (`shell`), for open sheets; or the shell with the solids, where the winding "
+        "number is at least 1/2 (`union`).",
         default="winding",
         kinds=("outline", "surface"),
     )
