@@ -1,9 +1,14 @@
-"""Compare the two scopes on every model: one threshold for the whole model, and local changes."""
+"""Compare the two scopes on every model: one threshold for the whole model, and local changes.
+
+Models that have few topologies at any threshold also get the cheapest single features, opened, cut
+or filled, which only local changes can do.
+"""
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from tusqh.fitting.distances import measure_distances
@@ -11,7 +16,10 @@ from tusqh.fitting.of_geometry import target_of
 from tusqh.fitting.target import Target as Surface
 from tusqh.geometry.kinds import Geometry
 from tusqh.grid import BoolArray
+from tusqh.local_topology.features import Features
+from tusqh.local_topology.prices import affordable_rows, tabulate_prices
 from tusqh.sampling.lattice import Box
+from tusqh.settings.features import Feature
 from tusqh.settings.goal import Goal, Scope, Target
 from tusqh.settings.sampling import Sampling
 from tusqh.threshold.choose import choose_threshold
@@ -60,7 +68,8 @@ def compare_scopes(
         One row per target and scope: `model`, `dimension`, `grid`; `base_betti`, the Betti numbers
         at 1/2; `target`, and whether it is the `configured` one; `scope`; `threshold`, in the local
         scope that of the seed; `cells_changed`, the number of cells that differ from those of 1/2,
-        and how many fewer these are than with the global scope (`cells_saved`);
+        and how many fewer these are than with the global scope (`cells_saved`, missing for a
+        feature, which one threshold does not change by itself);
         the volume of the mesh over that of the geometry (`volume_ratio`) and of the kept cells over
         those at 1/2 (`volume_over_base`); `betti_measured`; whether the mesh is sound and both
         measurements confirm the target (`holds`); the mean distances in cells from the boundary to
@@ -70,28 +79,63 @@ def compare_scopes(
     base = plateaus.cell_sets.at(BASE)
     surface = target_of(geometry, fractions, sampling=sampling, sides=window)
     rows = []
-    for target in pick_targets(plateaus.table, base.predicted, wanted):
-        for scope in SCOPES:
-            goal = Goal(target=target, scope=scope, base=BASE)
-            selection, _ = choose_threshold(plateaus, goal, name=name)
-            rows.append(
-                {
-                    "model": name,
-                    "dimension": fractions.grid.dim,
-                    "grid": fractions.grid.label,
-                    "base_betti": str(base.predicted),
-                    "target": str(target),
-                    "configured": target == wanted,
-                    "scope": scope,
-                    "threshold": selection.threshold,
-                    **_measure(selection, target, base.kept, plateaus.reference.volume),
-                    **_distances(selection, surface),
-                }
-            )
+    targets = pick_targets(plateaus.table, base.predicted, wanted)
+    goals = [
+        (str(target), target, Goal(target=target, scope=scope, base=BASE))
+        for target in targets
+        for scope in SCOPES
+    ]
+    goals += pick_features(plateaus, MOST_TARGETS - len(targets))
+    for text, target, goal in goals:
+        selection, _ = choose_threshold(plateaus, goal, name=name)
+        rows.append(
+            {
+                "model": name,
+                "dimension": fractions.grid.dim,
+                "grid": fractions.grid.label,
+                "base_betti": str(base.predicted),
+                "target": text,
+                "configured": target == wanted,
+                "scope": goal.scope or "local",
+                "threshold": selection.threshold,
+                **_measure(selection, target, base.kept, plateaus.reference.volume),
+                **_distances(selection, surface),
+            }
+        )
     table = pd.DataFrame(rows)
-    of_global = table.groupby("target")["cells_changed"].transform("first")
-    table.insert(9, "cells_saved", of_global - table["cells_changed"])
+    of_global = table["cells_changed"].where(table["scope"] == "global")
+    of_global = of_global.groupby(table["target"]).transform("first")
+    table.insert(9, "cells_saved", (of_global - table["cells_changed"]).astype("Int64"))
     return table
+
+
+def pick_features(plateaus: Plateaus, n: int) -> list[tuple[str, Target, Goal]]:
+    """Return the features of the base that change the fewest cells, opened, cut or filled.
+
+    Parameters
+    ----------
+    plateaus
+        The plateaus of the threshold.
+    n
+        Largest number of features.
+
+    Returns
+    -------
+    wishes
+        The wish in words, the Betti numbers that the mesh must have, and the goal.
+    """
+    if n < 1:
+        return []
+    features = Features(plateaus.cell_sets, BASE)
+    prices = tabulate_prices(features, affordable_rows(features))
+    cheap = prices[prices["possible"]].sort_values("cells", kind="stable").head(n)
+    found = []
+    for price in cheap.to_dict("records"):
+        after = np.add(features.start().betti, [price[name] for name in BETTI]).tolist()
+        text = f"{price['do']} the {price['class']} of row {price['row']}"
+        goal = Goal(features=(Feature(do=price["do"], row=price["row"]),))
+        found.append((text, Target(*after), goal))
+    return found
 
 
 def pick_targets(

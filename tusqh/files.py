@@ -197,7 +197,7 @@ _MESH_TO_VERDICT = (
         "verification.csv",
         "the predicted and measured topology at every threshold of the sweep",
         columns(
-            "model material dimension grid threshold cells_kept elements contacts overruled",
+            "model material dimension grid threshold scope cells_kept elements contacts overruled",
             "betti_0_predicted betti_1_predicted betti_2_predicted",
             "betti_0_measured betti_1_measured betti_2_measured",
             "manifold conforming min_scaled_jacobian holds",

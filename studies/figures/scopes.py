@@ -60,15 +60,18 @@ def _draw_pairs(
     panel: Axes, table: pd.DataFrame, column: str, places: dict[tuple[str, str], int]
 ) -> None:
     """Draw the values of both scopes in the row of each target."""
-    ends = []
+    ends: dict[tuple[str, str], list[float]] = {}
     for scope in SCOPES:
         rows = table[table["scope"] == scope]
-        keys = zip(rows["model"].tolist(), rows["target"].tolist(), strict=True)
-        at, values = [places[key] for key in keys], rows[column].to_numpy(dtype=float)
+        keys = list(zip(rows["model"].tolist(), rows["target"].tolist(), strict=True))
+        values = rows[column].astype(float).tolist()
         colour, marker = _LOOKS[scope]
-        panel.plot(values, at, marker, color=colour, markersize=4)
-        ends.append(values)
-    panel.hlines(at, ends[0], ends[1], color="#999999", linewidth=0.9, zorder=1)
+        panel.plot(values, [places[key] for key in keys], marker, color=colour, markersize=4)
+        for key, value in zip(keys, values, strict=True):
+            ends.setdefault(key, []).append(value)
+    lines = {places[key]: values for key, values in ends.items() if len(values) == 2}
+    starts, stops = zip(*lines.values(), strict=True) if lines else ((), ())
+    panel.hlines(list(lines), starts, stops, color="#999999", linewidth=0.9, zorder=1)
 
 
 def _in_symbols(target: str) -> str:

@@ -25,6 +25,7 @@ from tusqh.local_topology.features import Features
 from tusqh.local_topology.name_features import find_wishes
 from tusqh.local_topology.wishes import CUT, FILL, OPEN, Wish
 from tusqh.meshes.export import read_vtu
+from tusqh.quality.verification import VERIFICATION_COLUMNS
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.arguments import from_options, to_words
 from tusqh.settings.features import Feature
@@ -373,3 +374,14 @@ def test_features_that_depend_on_one_another(ring):
     joined = change(ring, [Feature(do="fill", near=(4.5, 12), kind="component")])
     assert tuple(joined.predicted) == (2, 1, 0)
     assert joined.changes["cells"].tolist() == [2]
+
+
+def test_a_mesh_with_local_scope_has_a_row_of_the_verification(opened):
+    _, folder = opened
+    row = json.loads((folder / "facts.json").read_text())["verification"]
+    assert sorted(row) == sorted(VERIFICATION_COLUMNS)
+    assert (row["scope"], row["holds"], row["cells_kept"]) == ("local", True, 128 - 8)
+    for k in range(3):
+        assert row[f"betti_{k}_predicted"] == row[f"betti_{k}_measured"] == (2, 0, 0)[k]
+    plain = tusqh.mesh((np.array(SQUARES), np.array(LINES)), cells=16, placement="corner")
+    assert "verification" not in plain.built.facts

@@ -6,13 +6,23 @@ import pytest
 from shapes import box
 
 from studies.figures.scopes import draw_scopes
-from studies.scopes import MOST_TARGETS, compare_scopes, pick_targets
+from studies.scopes import MOST_TARGETS, compare_scopes, pick_features, pick_targets
+from tusqh.grid import BackgroundGrid
 from tusqh.pipeline.ingest import read_source
 from tusqh.pipeline.sample import sample
 from tusqh.pipeline.select import find_plateaus
+from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.goal import Target
 from tusqh.settings.grid import Grid
 from tusqh.threshold.plateaus import BETTI
+
+
+def fractions_of(cells):
+    """Return fractions with empty edges and vertices."""
+    values = np.zeros(tuple(2 * n + 1 for n in cells.shape))
+    values[(slice(1, None, 2),) * cells.ndim] = cells
+    grid = BackgroundGrid(shape=cells.shape, cell_size=1.0, origin=(0.0,) * cells.ndim)
+    return VolumeFractions.from_values(grid, 4, values)
 
 
 def of_source(source, cells, wanted):
@@ -63,6 +73,21 @@ def test_a_gap_costs_a_layer_with_one_threshold_and_only_its_cells_with_local_ch
     assert boundary["local"] < boundary["global"]
     labels = [text.get_text() for text in draw_scopes(table).axes[0].get_yticklabels()]
     assert len(labels) == table["target"].nunique()
+
+
+def test_models_with_few_topologies_get_single_features():
+    """A ring keeps its hole at every threshold up to 1/2, and its hole is cut and filled."""
+    x, y, z = np.meshgrid(*[np.arange(n) + 0.5 for n in (9, 9, 3)], indexing="ij")
+    r = np.hypot(x - 4.5, y - 4.5)
+    cells = ((r > 2) & (r < 4) & (z < 9)).astype(float)
+    fractions = fractions_of(cells)
+    plateaus = find_plateaus(fractions)
+    wishes = pick_features(plateaus, 2)
+    assert {text.split()[0] for text, _, _ in wishes} == {"cut", "fill"}
+    for _, target, goal in wishes:
+        assert tuple(target.given().values()) == (1, 0, 0)
+        assert goal.features[0].row == 1
+    assert pick_features(plateaus, 0) == []
 
 
 def test_the_configured_target_comes_first_and_those_of_the_base_last():

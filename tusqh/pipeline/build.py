@@ -23,6 +23,7 @@ from tusqh.meshes.export import write_vtu
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.original import Original, to_warnings
 from tusqh.quality.comparison import OTHER_BASE, OTHER_THRESHOLD
+from tusqh.quality.verification import verify_mesh
 from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.reference import Reference
@@ -97,6 +98,7 @@ class Built:
             "changed_volume": cells.changes["volume"].sum(),
             "changed_contacts": cells.n_other_contacts,
             "held_cells": cells.n_held,
+            "verification": verify_mesh(self.mesh, cells, grid=self.fractions.grid.label),
         }
 
     @property

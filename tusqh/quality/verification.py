@@ -6,15 +6,28 @@ from typing import Any
 
 from tusqh.antialias.cells import CellSet
 from tusqh.antialias.scheme import PINCH_TEMPLATES, Scheme
+from tusqh.local_topology.move import LocalCells
 from tusqh.meshes.volume_mesh import VolumeMesh
+from tusqh.settings.goal import Scope
 
 #: Required columns of results/tables/verification.csv.
 VERIFICATION_COLUMNS = (
-    ["model", "material", "dimension", "grid", "threshold", "cells_kept", "elements"]
+    ["model", "material", "dimension", "grid", "threshold", "scope", "cells_kept", "elements"]
     + ["contacts", "overruled"]
     + [f"betti_{k}_{how}" for how in ("predicted", "measured") for k in range(3)]
     + ["manifold", "conforming", "min_scaled_jacobian", "holds"]
 )
+
+
+def scope_of(cells: CellSet) -> Scope:
+    """Return whether all cells are those of one threshold, or near to those of a base.
+
+    Parameters
+    ----------
+    cells
+        The cells of a mesh.
+    """
+    return "local" if isinstance(cells, LocalCells) else "global"
 
 
 def verify_mesh(
@@ -38,7 +51,8 @@ def verify_mesh(
     verification
         One value for each of `VERIFICATION_COLUMNS`.  `holds` means that the mesh passes every
         check, that its scaled Jacobians are within the bound, and that both methods measure the
-        predicted Betti numbers.  This holds trivially for a threshold that keeps no cell.
+        predicted Betti numbers.  This holds trivially for a threshold that keeps no cell.  With
+        the local scope the threshold is that of the contacts; other cells are those of the base.
     """
     measured = mesh.measurement
     smallest = measured.smallest_scaled_jacobian
@@ -48,6 +62,7 @@ def verify_mesh(
         "dimension": mesh.dim,
         "grid": grid,
         "threshold": cells.threshold,
+        "scope": scope_of(cells),
         "cells_kept": int(cells.kept.sum()),
         "elements": mesh.n_cells,
         "contacts": cells.n_contacts,

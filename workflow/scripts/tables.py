@@ -11,12 +11,11 @@ with recorded(snakemake) as log:
     given = snakemake.input
     kinds = ("facts", "verdict", "amount", "defects")
     fits = {Path(path).parent: [Path(path)] for path in given.fits}
-    rows = [
-        summarise_model(
-            read_facts(Path(facts), *fits.get(Path(facts).parent, [])), *map(pd.read_csv, tables)
-        )
-        for facts, *tables in zip(*(given[kind] for kind in kinds), strict=True)
-    ]
+    rows, local = [], []
+    for path, *tables in zip(*(given[kind] for kind in kinds), strict=True):
+        facts = read_facts(Path(path), *fits.get(Path(path).parent, []))
+        rows.append(summarise_model(facts, *map(pd.read_csv, tables)))
+        local += [facts["verification"]] if "verification" in facts else []
     amounts = {Path(path).parents[1]: pd.read_csv(path) for path in given.assembly_amount}
     kinds = ("assembly_materials", "assembly_verification", "assembly_verdict")
     for files in zip(*(given[kind] for kind in kinds), strict=True):
@@ -24,7 +23,7 @@ with recorded(snakemake) as log:
         rows += summarise_materials(*tables, amounts.get(Path(files[0]).parent))
     summary = pd.DataFrame(rows)
     files = [*given.verification, *given.assembly_verification]
-    verification = pd.concat(map(pd.read_csv, files), ignore_index=True)
+    verification = pd.concat([*map(pd.read_csv, files), pd.DataFrame(local)], ignore_index=True)
     log.info(
         "%d of %d rows of the verification hold", verification["holds"].sum(), len(verification)
     )

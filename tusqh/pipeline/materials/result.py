@@ -212,6 +212,7 @@ class MaterialsResult:
         """
         grid, kept = self.fractions.grid, self._count_cells()
         table = self.materials.drop(columns=["volume", "volume_of_geometry"])
+        table["scope"] = "global" if self.local is None else "local"
         table["model"], table["dimension"], table["grid"] = self.mesh.name, grid.dim, grid.label
         table["cells_kept"] = [kept[name] for name in table["material"]]
         table["contacts"], table["overruled"] = self.built.n_contacts, self.built.n_overruled
