@@ -2,7 +2,8 @@
 
 Each case is opened from disk in headless Chromium.  A step is a jump to a distant plateau; `script`
 is the time that its code takes, and `all` also includes drawing by the processor, until the pixels
-can be read back.  White noise has a face between nearly all cells and is the worst case.
+can be read back.  A click shows the cells that a wish for a class would change.  White noise has a
+face between nearly all cells and is the worst case.
 """
 
 from __future__ import annotations
@@ -39,6 +40,27 @@ MODELS = [
     ("bearings", "data_sources/solids/bearings.stl", 60),
     ("dragon", "data_sources/dragon/dragon.off", 60),
 ]
+
+#: Shows what each possible wish would change, one after the other, as a click on its button does.
+_CLICK = """async (most) => {
+  const { stage, wishes } = explorer;
+  const gl = stage.renderer.getContext();
+  const pixel = new Uint8Array(4);
+  const times = [];
+  for (let k = 0; k < wishes.offers.length && times.length < most; k++) {
+    if (wishes.offers[k].why) continue;
+    const start = performance.now();
+    explorer.showWish(k);
+    const script = performance.now() - start;
+    cancelAnimationFrame(stage.pending);
+    stage.pending = 0;
+    stage.draw();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+    times.push([script, performance.now() - start]);
+    await new Promise((done) => setTimeout(done, 30));
+  }
+  return times;
+}"""
 
 _STEP = """async (steps) => {
   const { stage, plateaus } = explorer;
@@ -125,6 +147,15 @@ def _measure(browser: Browser, subject: Subject, folder: Path) -> dict[str, obje
         "all_median_ms": round(statistics.median(everything), 1),
         "all_max_ms": round(max(everything), 1),
     }
+    clicks = page.evaluate(_CLICK, STEPS)
+    if clicks:
+        script, everything = zip(*clicks, strict=True)
+        row |= {
+            "clicks": len(clicks),
+            "click_script_max_ms": round(max(script), 2),
+            "click_all_median_ms": round(statistics.median(everything), 1),
+            "click_all_max_ms": round(max(everything), 1),
+        }
     page.close()
     print("  ".join(f"{key} {value}" for key, value in row.items()), flush=True)
     return row

@@ -256,6 +256,8 @@ def test_contradictory_wishes_for_materials():
 def test_a_target_that_neither_thresholds_nor_features_reach():
     with pytest.raises(TopologyError, match=r"no features opened[\s\S]*nearest found with feat"):
         tusqh.mesh(frame(), materials={"ring": (5, 7)})
+    with pytest.raises(TopologyError, match="a material has at least one component"):
+        tusqh.mesh(frame(), materials={"ring": (0, 0)})
     with pytest.raises(TopologyError, match="no threshold gives") as caught:
         tusqh.mesh(frame(), materials={"ring": (1, 0)}, scope="global")
     assert "no features" not in str(caught.value)

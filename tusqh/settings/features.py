@@ -11,7 +11,7 @@ from tusqh.settings.section import Section
 from tusqh.settings.validate import Path
 
 _FORM = "a row of diagram.csv, as 3, or a class and a point, as hole@0.5,1,2; with several "
-_FORM += "materials, the one that is changed before it, as ring:3"
+_FORM += "materials, the name of the material comes first, as ring:3"
 
 
 @dataclass(frozen=True)

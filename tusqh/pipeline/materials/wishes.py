@@ -202,6 +202,8 @@ def _unreachable(
     )
     wanted = ", ".join(f"{k!r} {target}" for k, target in targets.items())
     expected = f"Betti numbers that can be reached; the nearest found with features are {found}"
+    if any(target.betti_0 == 0 for target in targets.values()):
+        expected += " (a material has at least one component)"
     return TopologyError(
         f"no features opened, cut or filled at the base give {wanted}"
         if reason is None
