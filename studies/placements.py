@@ -16,7 +16,9 @@ from tusqh.geometry.kinds import Surface
 from tusqh.grid import BackgroundGrid, FloatArray
 from tusqh.sampling.doubled_grid import combine_half_blocks
 from tusqh.sampling.fractions import VolumeFractions, sample_fractions
+from tusqh.sampling.inside_lengths import box_of_inside, with_lengths
 from tusqh.sampling.lattice import Box
+from tusqh.settings.grid import Grid
 from tusqh.settings.sampling import Sampling
 
 #: Samples along each side of a block.
@@ -93,6 +95,7 @@ def lay_grids(
         Box that turns with the model; everything outside it counts as void.
     sampling
         How the fractions are sampled, except for the number of samples; None: with the defaults.
+        Lengths in cells refer to the cells of the largest size.
     """
     low, high = (np.array(end) for end in window or geometry.bounding_box())
     finest = max(sizes)
@@ -101,8 +104,10 @@ def lay_grids(
     centre = (low + high) / 2
     shift = placement.offset * 2 * block * coarsest
     placed = replace(geometry, points=(geometry.points - centre) @ placement.rotation.T + shift)
+    finely = with_lengths(geometry, replace(sampling or Sampling(), samples=_SAMPLES), 2 * block)
     if window is None:
-        lower, upper = (np.array(end) for end in placed.bounding_box())
+        box = box_of_inside(placed, placed.bounding_box(), finely, Grid(cell_size=2 * block))
+        lower, upper = (np.array(end) for end in box)
     else:
         reach = np.abs(placement.rotation) @ ((high - low) / 2)
         lower, upper = shift - reach, shift + reach
@@ -115,7 +120,6 @@ def lay_grids(
         cell_size=block,
         origin=tuple((first * block).tolist()),
     )
-    finely = replace(sampling or Sampling(), samples=_SAMPLES)
     blocks = sample_fractions(placed, lattice, sampling=finely).cells.copy()
     if window is not None:
         indices = np.argwhere(np.ones(lattice.shape, dtype=bool))

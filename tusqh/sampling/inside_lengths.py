@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from tusqh.errors import SamplingError
 from tusqh.geometry.kinds import Surface
 from tusqh.geometry.units import METRES, metres_in, unit_name
@@ -109,6 +111,32 @@ def box_of_inside(geometry: Surface, box: Box, sampling: Sampling, grid: Grid) -
         size = max(side / max(n - in_cells, 0.5) for side, n in zip(sides, cells, strict=False))
     half = _in_model_units(sampling.thickness, _THICKNESS, "thickness", geometry, size) / 2
     return tuple(x - half for x in box[0]), tuple(x + half for x in box[1])
+
+
+def with_lengths(geometry: Surface, sampling: Sampling, cell_size: float) -> Sampling:
+    """Return the same sampling with seal and thickness as numbers, so that other cells keep them.
+
+    Parameters
+    ----------
+    geometry
+        The geometry.
+    sampling
+        What is inside.
+    cell_size
+        Edge length of the cell to which lengths in cells refer, in model units.
+
+    Examples
+    --------
+    >>> from tusqh.geometry.outline import Outline
+    >>> line = Outline.from_chains([[(0, 0), (6, 0)]])
+    >>> with_lengths(line, Sampling(inside="shell"), 0.5).thickness
+    0.5
+    """
+    if sampling.inside == "envelope":
+        return replace(sampling, seal=seal_of(geometry, sampling, cell_size))
+    if sampling.inside in ("shell", "union"):
+        return replace(sampling, thickness=thickness_of(geometry, sampling, cell_size))
+    return sampling
 
 
 def _in_cells(sampling: Sampling) -> float:
