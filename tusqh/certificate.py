@@ -25,7 +25,7 @@ from tusqh.local_topology.move import changes_of
 from tusqh.local_topology.wishes import Wish
 from tusqh.meshes.checks import Check
 from tusqh.meshes.export import read_vtu
-from tusqh.meshes.measure import Measurement
+from tusqh.meshes.measure import Measured
 from tusqh.meshes.volume_mesh import GRID_CELL, INNER_CELL, VolumeMesh
 from tusqh.sampling.io import load_fractions
 from tusqh.settings.policy import Policy
@@ -75,6 +75,39 @@ def make_certificate(
         The mesh does not have the predicted topology, or a check fails; no certificate is made.
     """
     measured = read_vtu(mesh_file, name=name).measurement
+    files = {
+        "mesh": {"file": mesh_file.name, "sha256": hash_file(mesh_file)},
+        "fractions": {"file": fractions_file.name, "sha256": hash_file(fractions_file)},
+    }
+    return certify(selection, cells, measured, files, name=name)
+
+
+def certify(
+    selection: Selection,
+    cells: CellSet,
+    measured: Measured,
+    files: Mapping[str, Mapping[str, Any]],
+    *,
+    name: str,
+) -> dict[str, Any]:
+    """Return the certificate of a mesh that was measured as it was written.
+
+    Parameters
+    ----------
+    selection, cells
+        See `make_certificate`.
+    measured
+        The measurement.
+    files
+        Name and digest of the `mesh` and the `fractions`, and the digests of their pieces.
+    name
+        The model.
+
+    Raises
+    ------
+    MeshError
+        The mesh does not have the predicted topology, or a check fails; no certificate is made.
+    """
     if cells.predicted != selection.predicted or not _is_as_predicted(measured, cells.predicted):
         failed = "; ".join(check.name for check in measured.failed)
         raise MeshError(
@@ -84,14 +117,14 @@ def make_certificate(
             expected=f"the predicted Betti numbers {selection.predicted}, and no failed check",
             remedy="this is a fault of tusqh: please report it with fractions.npz",
         )
-    of_mesh, of_cells = _claim_of_mesh(measured), _claim_of_cells(cells, selection.raw)
+    of_mesh, of_cells = _claim_of_mesh(measured), claim_of_cells(cells, selection.raw)
     chosen = selection.to_dict()
     certificate = {
         "certificate": 3,
         "model": name,
         "tusqh": __version__,
-        "mesh": {"file": mesh_file.name, "sha256": hash_file(mesh_file)},
-        "fractions": {"file": fractions_file.name, "sha256": hash_file(fractions_file)},
+        "mesh": files["mesh"],
+        "fractions": files["fractions"],
         "selection": {key: chosen[key] for key in chosen if key not in ("raw", "predicted")},
         "predicted": {"raw": of_cells["raw"], "effective": of_cells["effective"]},
         "measured": {"euler": of_mesh["euler"], "boundary": of_mesh["boundary"]},
@@ -123,14 +156,8 @@ def check_certificate(path: Path, mesh_file: Path, mesh: VolumeMesh) -> list[Che
     MeshError
         The certificate cannot be read or does not follow the schema.
     """
-    stored, measured = read_certificate(path), mesh.measurement
-    claimed = _claims_in(stored)
-    recomputed = {
-        "mesh": hash_file(mesh_file),
-        **_claim_of_mesh(measured),
-        "predicted": list(measured.by_euler),
-        "holds": _is_as_predicted(measured, BettiNumbers(*claimed["predicted"])),
-    }
+    stored = read_certificate(path)
+    recomputed = claims_of_mesh(stored, mesh.measurement) | {"mesh": hash_file(mesh_file)}
     fractions_file = path.parent / stored["fractions"]["file"]
     if fractions_file.is_file():
         chosen = stored["selection"]
@@ -140,9 +167,42 @@ def check_certificate(path: Path, mesh_file: Path, mesh: VolumeMesh) -> list[Che
         cells = repeat_choice(cell_sets, chosen["base"], wishes).at(chosen["threshold"])
         recomputed |= {
             "fractions": hash_file(fractions_file),
-            **_claim_of_cells(cells, raw),
+            **claim_of_cells(cells, raw),
             "cells": _count_other_cells(mesh, cells),
         }
+    return compare_claims(stored, recomputed)
+
+
+def claims_of_mesh(stored: Mapping[str, Any], measured: Measured) -> dict[str, Any]:
+    """Return what a certificate claims about its mesh, recomputed.
+
+    Parameters
+    ----------
+    stored
+        The certificate.
+    measured
+        The measurement of the mesh.
+    """
+    claimed = BettiNumbers(*stored["predicted"]["effective"])
+    return {
+        "mesh": "",
+        **_claim_of_mesh(measured),
+        "predicted": list(measured.by_euler),
+        "holds": _is_as_predicted(measured, claimed),
+    }
+
+
+def compare_claims(stored: Mapping[str, Any], recomputed: Mapping[str, Any]) -> list[Check]:
+    """Return the checks that recomputed claims equal those of a certificate.
+
+    Parameters
+    ----------
+    stored
+        The certificate.
+    recomputed
+        The claims by name.
+    """
+    claimed = _claims_in(stored)
     return [_compare(key, found, claimed[key]) for key, found in recomputed.items()]
 
 
@@ -168,11 +228,11 @@ def read_predicted(path: Path) -> BettiNumbers:
     return BettiNumbers(*read_certificate(path)["predicted"]["effective"])
 
 
-def _is_as_predicted(measured: Measurement, predicted: BettiNumbers) -> bool:
+def _is_as_predicted(measured: Measured, predicted: BettiNumbers) -> bool:
     return measured.is_sound and measured.has_topology(predicted)
 
 
-def _claim_of_mesh(measured: Measurement) -> dict[str, Any]:
+def _claim_of_mesh(measured: Measured) -> dict[str, Any]:
     """Return the claims about the mesh alone."""
     return {
         "euler": list(measured.by_euler),
@@ -190,8 +250,16 @@ def _claim_of_mesh(measured: Measurement) -> dict[str, Any]:
     }
 
 
-def _claim_of_cells(cells: CellSet, raw: BettiNumbers) -> dict[str, Any]:
-    """Return the claims about the fractions at the threshold, before meshing."""
+def claim_of_cells(cells: CellSet, raw: BettiNumbers) -> dict[str, Any]:
+    """Return the claims about the fractions at the threshold, before meshing.
+
+    Parameters
+    ----------
+    cells
+        The cells with their decisions.
+    raw
+        Betti numbers of the filtration.
+    """
     return {
         "raw": list(raw),
         "effective": list(cells.predicted),

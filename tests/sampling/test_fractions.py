@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from tusqh.errors import SamplingError
 from tusqh.geometry.outline import Outline
 from tusqh.grid import BackgroundGrid
-from tusqh.sampling import fractions as fractions_module
+from tusqh.sampling import half_blocks
 from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.io import load_fractions, save_fractions
@@ -139,7 +139,7 @@ def test_fractions_survive_the_disk_bit_for_bit(square, tmp_path):
 
 
 def test_progress_is_reported_to_the_end(square, monkeypatch):
-    monkeypatch.setattr(fractions_module, "SAMPLES_AT_A_TIME", 1)
+    monkeypatch.setattr(half_blocks, "SAMPLES_AT_A_TIME", 1)
     calls = []
     grid = BackgroundGrid.over_box((0.0, 0.0), (1.0, 1.0), cells=100)
     sample_fractions(square, grid, progress=lambda done, total: calls.append((done, total)))

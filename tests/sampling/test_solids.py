@@ -9,7 +9,7 @@ from tusqh.geometry.packaged import locate
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BackgroundGrid
 from tusqh.readers.files import read_file
-from tusqh.sampling import fractions as fractions_module
+from tusqh.sampling import half_blocks
 from tusqh.sampling.fractions import sample_fractions
 from tusqh.sampling.layout import lay_grid
 from tusqh.settings.sampling import Sampling
@@ -70,7 +70,7 @@ def test_slabs_do_not_change_the_result(monkeypatch, rule):
     ball = soup_of(trimesh.creation.icosphere(subdivisions=2))
     grid = lay_grid(ball, None, cells=20)
     whole = sample_fractions(ball, grid, sampling=Sampling(rule=rule))
-    monkeypatch.setattr(fractions_module, "SAMPLES_AT_A_TIME", 1)
+    monkeypatch.setattr(half_blocks, "SAMPLES_AT_A_TIME", 1)
     assert np.array_equal(
         whole.multiples, sample_fractions(ball, grid, sampling=Sampling(rule=rule)).multiples
     )

@@ -24,9 +24,9 @@ VALUES = {
     **{"volume": True, "bridges": "none", "volume_tolerance": "0.1"},
     **{"voxels": "6,6,6", "voxel_order": "zyx"},
     **{"scope": "local", "base": "0.25", "open": ["0"], "cut": ["1"], "fill": ["hole@0,1"]},
-    **{"checks": True, "fit": True, "inside": "union", "seal": "0.5", "thickness": "1 cell"},
+    **{"checks": True, "fit": True, "slabs": "3", "inside": "union", "seal": "0.5"},
     **{"unit": "mm", "scale": "2", "convert_to": "m", "crs": "utm"},
-    **{"coarsen": True},
+    **{"coarsen": True, "thickness": "1 cell"},
     **{
         prefix + name: value
         for prefix in ("", "holes_", "voids_")

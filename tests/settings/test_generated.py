@@ -49,7 +49,7 @@ def check_call(function, section):
         for name in entry.name.split(", ")
     }
     expected = arguments_of(section)
-    others = ("source", "materials", "rest", "name", "progress")
+    others = ("source", "output", "materials", "rest", "name", "progress")
     settings = [n for n in parameters if n not in others]
     assert sorted(settings) == sorted(expected)
     for name, argument in expected.items():

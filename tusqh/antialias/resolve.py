@@ -10,7 +10,7 @@ from tusqh.contacts.decide import emit_decision
 from tusqh.contacts.one_material import VOID
 from tusqh.grid import BackgroundGrid
 from tusqh.meshes.volume_mesh import VolumeMesh
-from tusqh.sampling.fractions import VolumeFractions
+from tusqh.sampling.reference import Sampled
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ def build_mesh(cells: CellSet, grid: BackgroundGrid, *, name: str = "mesh") -> R
     return Resolved(mesh, cells)
 
 
-def describe_mesh(resolved: Resolved, fractions: VolumeFractions) -> dict[str, Any]:
+def describe_mesh(resolved: Resolved, fractions: Sampled) -> dict[str, Any]:
     """Return the facts about a mesh for tables, as plain numbers for JSON.
 
     Parameters
@@ -76,7 +76,7 @@ def describe_mesh(resolved: Resolved, fractions: VolumeFractions) -> dict[str, A
         "cell_size": grid.cell_size,
         "cells_kept": int(cells.kept.sum()),
         "elements": mesh.n_cells,
-        "points": len(mesh.points),
+        "points": mesh.n_points,
         "contacts": cells.n_contacts,
         "overruled": cells.n_overruled,
         "bridges": cells.n_bridges,

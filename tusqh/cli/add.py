@@ -12,7 +12,7 @@ from tusqh.cli.show import make_console
 from tusqh.settings.model import Model, Settings
 
 
-@options.with_settings()
+@options.with_settings(without=("memory",))
 def add(
     geometry: options.Source,
     name: Annotated[

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, NoReturn
 
 import typer
 
 from tusqh.cli.show import make_console, show
+from tusqh.errors import ConfigError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -15,10 +16,13 @@ if TYPE_CHECKING:
     from tusqh.coarsening import CoarseMesh
     from tusqh.meshes.checks import Check
     from tusqh.meshes.volume_mesh import VolumeMesh
+    from tusqh.topology.betti_numbers import BettiNumbers
 
 
 def check(
-    mesh: Annotated[Path, typer.Argument(help="A .vtu file of quads or hexes.")],
+    mesh: Annotated[
+        Path, typer.Argument(help="A .vtu file of quads or hexes, or a .pvtu file of `--slabs`.")
+    ],
     *,
     all_checks: Annotated[
         bool,
@@ -39,15 +43,28 @@ def check(
     For example:
 
     * `tusqh check results/chesapeake/mesh.vtu`
+
+    * `tusqh check huge.pvtu`
     """
     from tusqh.certificate import FILE_NAME
     from tusqh.meshes.export import read_regions, read_vtu
     from tusqh.pipeline.coarsen import find_coarse
     from tusqh.pipeline.materials.recheck import check_materials
-    from tusqh.quality.verdict import overall
 
-    volume_mesh = read_vtu(mesh)
     certificate = mesh.parent / FILE_NAME
+    if mesh.suffix == ".pvtu":
+        from tusqh.cli.slabs import check_pieces
+
+        if all_checks:
+            raise ConfigError(
+                "--all-checks of a mesh in pieces",
+                where=str(mesh),
+                expected="a mesh in one piece, which other programs need",
+                remedy="leave out --all-checks, or check a .vtu file",
+            )
+        table, pieces = check_pieces(mesh)
+        _end(f"{mesh.name}: {pieces.n_cells} elements", table, pieces.by_euler, certificate)
+    volume_mesh = read_vtu(mesh)
     found = find_coarse(mesh)
     title = f"{mesh.name}: {volume_mesh.n_cells} elements"
     if found is not None:
@@ -59,7 +76,14 @@ def check(
         table = _check_single(mesh, volume_mesh, certificate, all_checks=all_checks)
     else:
         table = check_materials(mesh, checks="all" if all_checks else None)
-    measured = volume_mesh.measurement.by_euler
+    _end(title, table, volume_mesh.measurement.by_euler, certificate)
+
+
+def _end(title: str, table: pd.DataFrame, measured: BettiNumbers, certificate: Path) -> NoReturn:
+    """Show the checks of a mesh, and end with the exit code that they give."""
+    from tusqh.certificate import FILE_NAME
+    from tusqh.quality.verdict import overall
+
     show(table, title=f"{title}, Betti numbers {measured}")
     verdict = overall(table)
     where = "" if certificate.is_file() else f" (there is no {FILE_NAME} in its folder)"

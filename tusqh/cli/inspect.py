@@ -28,6 +28,7 @@ _ROWS = 10
         "goal.scope",
         "goal.base",
         "quality",
+        "memory",
     ),
 )
 def inspect(

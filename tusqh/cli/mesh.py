@@ -13,6 +13,7 @@ from tusqh.cli import options, outputs
 from tusqh.cli.materials import Shown, mesh_and_show
 from tusqh.cli.progress import shown
 from tusqh.cli.show import make_console, print_table, report_error
+from tusqh.cli.slabs import mesh_slabs, require_one_in_slabs
 from tusqh.errors import ConfigError, TopologyError
 from tusqh.settings.model import Settings
 
@@ -73,12 +74,19 @@ def mesh(
 
     * `tusqh mesh part.stl --fit --element C3D20R --set bolt=near:30,20,0 -o part.inp`
 
+    * `tusqh mesh huge.stl --cells 512 --slabs auto -o huge.pvtu`
+
     * `tusqh mesh ring.stl ball.stl --materials --material ball=1,0,0 -o assembly.exo`
     """
     stem = Path(geometry[0]).stem if len(geometry) == 1 else "materials"
-    paths = output or [Path(stem + ".vtu")]
-    written = outputs.Outputs(paths, results, element, layer, name_set or (), sets, picture)
+    in_slabs = settings.memory.slabs is not None
+    paths = output or [Path(stem + (".pvtu" if in_slabs else ".vtu"))]
+    written = outputs.Outputs(
+        paths, results, element, layer, name_set or (), sets, picture, in_slabs=in_slabs
+    )
     is_several = materials or bool(material) or rest is not None
+    if in_slabs:
+        require_one_in_slabs(geometry, is_several=is_several)
     written.require(geometry, is_coarse=bool(settings.coarsening.coarsen) and not is_several)
     if is_several:
         shown_as = Shown(as_json=as_json, is_strict=strict)
@@ -94,13 +102,18 @@ def mesh(
     from tusqh.pipeline.mesh import run_stages
 
     try:
-        with shown() as progress:
-            result = run_stages(geometry[0], settings, progress=progress)
+        if in_slabs:
+            report = mesh_slabs(geometry[0], settings, paths, results).report
+            paths = [*paths, *filter(None, [results])]
+        else:
+            with shown() as progress:
+                result = run_stages(geometry[0], settings, progress=progress)
     except TopologyError as error:
         report_error(str(error))
         raise typer.Exit(1) from None
-    paths = written.write(result)
-    report = result.report
+    if not in_slabs:
+        paths = written.write(result)
+        report = result.report
     if as_json:
         typer.echo(json.dumps(_to_plain(report), indent=2))
     else:

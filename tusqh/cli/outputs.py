@@ -22,7 +22,8 @@ Paths = Annotated[
         "-o",
         help="Mesh file, by suffix: .vtu (ParaView, meshio, MFEM), .mesh or .mfem (MFEM), .msh "
         "(Gmsh, OpenFOAM, ...), .exo (Exodus), .inp (Abaqus, CalculiX), .bdf (Nastran), .unv, .med "
-        "(Salome, code_aster); may be given several times. (default GEOMETRY.vtu)",
+        "(Salome, code_aster); may be given several times. With --slabs .pvtu, which has pieces, "
+        "or .vtu. (default GEOMETRY.vtu, with --slabs GEOMETRY.pvtu)",
     ),
 ]
 Folder = Annotated[
@@ -91,6 +92,8 @@ class Outputs:
         Whether the tables of sets are written; None: beside files other than VTU.
     picture
         Picture of the mesh; None: there is none.
+    in_slabs
+        Whether the mesh is made in slabs, which have fewer formats and no sets.
     """
 
     paths: Sequence[Path]
@@ -100,6 +103,7 @@ class Outputs:
     sets: Sequence[str] = ()
     with_tables: bool | None = None
     picture: Path | None = None
+    in_slabs: bool = False
 
     def require(self, geometries: Sequence[str], *, is_coarse: bool = False) -> None:
         """Raise before any work when a file cannot be written.
@@ -125,13 +129,15 @@ class Outputs:
         from tusqh.meshes.choose_sets import Wish
         from tusqh.meshes.elements import require_element
         from tusqh.meshes.formats import require_format
+        from tusqh.pipeline.slabs.write import require_slab_format
 
+        self._require_possible()
         require_element(self.element)
         for text in self.sets:
             Wish.read(text)
         existing = [Path(geometry) for geometry in geometries if Path(geometry).exists()]
         for path in self.paths:
-            require_format(path)
+            (require_slab_format if self.in_slabs else require_format)(path)
             if is_coarse:
                 require_coarse_format(path, element=self.element, layer=self.layer)
             require_writable(path)
@@ -153,6 +159,24 @@ class Outputs:
                     expected=".png, .svg or .pdf",
                     remedy="change the suffix",
                 )
+
+    def _require_possible(self) -> None:
+        """Raise an error if a mesh in slabs is to have what needs the whole mesh."""
+        options = {
+            "--element": self.element,
+            "--layer": self.layer,
+            "--set": self.sets or None,
+            "--sets": self.with_tables or None,
+            "--picture": self.picture,
+        }
+        given = [option for option, value in options.items() if value is not None]
+        if self.in_slabs and given:
+            raise ConfigError(
+                f"{' and '.join(given)} with --slabs",
+                where="tusqh mesh",
+                expected="options that do not need the mesh in one piece",
+                remedy=f"leave out --slabs, or {' and '.join(given)}",
+            )
 
     def write(self, result: Result | MaterialsResult) -> list[Path]:
         """Write all files, and return their paths.

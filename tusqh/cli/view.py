@@ -15,7 +15,7 @@ from tusqh.settings.arguments import to_words
 from tusqh.settings.model import Settings
 
 
-@options.with_settings()
+@options.with_settings(without=("memory",))
 def view(
     source: Annotated[
         str,

@@ -102,12 +102,12 @@ class Balls:
     """
 
     def __init__(self, emitter: Emitter, field: Field) -> None:
-        self.has_ball = field.has_ball
+        self.has_ball, self.inside = field.has_ball, field.inside
         self._shape = emitter.vertex_shape
         vertices = np.flatnonzero(field.has_ball)
         self._field = field
         self._vertices = vertices
-        place = np.stack(np.unravel_index(vertices, emitter.vertex_shape), axis=1)
+        place = emitter.place_of_vertices(vertices)
         points = np.repeat(place[:, None].astype(float), N_POINTS, axis=1)
         points[:, OF_OCTANT:OF_KITE] += _TO_CELL * (2 * BITS - 1)
         kites = octants().kites
@@ -121,7 +121,8 @@ class Balls:
         octant = (BITS - 1) @ field.steps
         inside = field.inside[vertices[:, None] + octant]
         place_on_sides(points, place, inside, cases, _ALONG)
-        self._numbers = emitter.add_points(points.reshape(-1, 3)).reshape(-1, N_POINTS)
+        layers = np.repeat(vertices // field.steps[0], N_POINTS)
+        self._numbers = emitter.add_points(points.reshape(-1, 3), layers).reshape(-1, N_POINTS)
 
     def material_at(self, vertices: IntArray) -> Labels:
         """Return the materials of the balls at some grid vertices, shape (r,).

@@ -25,21 +25,19 @@ import numpy as np
 from tusqh.contacts.ball_elements import Balls, RingEnd, ring_end
 from tusqh.contacts.decided import Labels
 from tusqh.contacts.emitter import Emitted, Emitter
-from tusqh.contacts.octants import BITS
 from tusqh.contacts.side_balls import (
     INSET_ON_SIDE,
     SMALL_ON_SIDE,
     Slots,
+    name_side_balls,
     slots_of_cell,
     slots_of_frustum,
 )
 from tusqh.contacts.spatial import SpatialDecision, face_sticks
-from tusqh.contacts.spatial_votes import LAYERS
-from tusqh.contacts.stick_field import Field
 from tusqh.grid import HEX_CORNERS, BackgroundGrid, BoolArray, IndexArray, IntArray
 from tusqh.grid.numbering import FACES
 from tusqh.meshes.facets import HEX_FACETS
-from tusqh.meshes.volume_mesh import CONNECTING, GRID_CELL, INNER_CELL, SEPARATING, SIDE_BALL
+from tusqh.meshes.volume_mesh import CONNECTING, GRID_CELL, INNER_CELL, SEPARATING
 
 #: Distance of the small quad from the edges of its face, in cells.  On cubic cells the scaled
 #: Jacobian of rings is at least 2/3, that of centres 0.9.
@@ -100,13 +98,36 @@ def emit_spatial(
     left_out
         A material without hexes; None: all have hexes.
     """
+    emitted = emit_elements(decision, grid, left_out=left_out).finish(name)
+    mesh = emitted.mesh
+    kind = name_side_balls(mesh.kind, mesh.grid_cell, decision.field, grid)
+    return emitted._replace(mesh=replace(mesh, kind=kind))
+
+
+def emit_elements(
+    decision: SpatialDecision,
+    grid: BackgroundGrid,
+    *,
+    left_out: int | None = None,
+    first: int = 0,
+) -> Emitter:
+    """Return an emitter with the hexes of `emit_spatial`, whose side balls have no name yet.
+
+    Parameters
+    ----------
+    decision, grid, left_out
+        See `emit_spatial`.
+    first
+        Where the grid begins along x if it is a part of a larger one: an even number of cells from
+        its origin.
+    """
     labels = decision.labels
     flat = labels.ravel()
     faces = [_find_faces(decision, axis, grid) for axis in range(3)]
     split, frusta = _find_frusta(flat, faces)
     is_split = np.zeros(labels.size, dtype=bool)
     is_split[split] = True
-    emitter = Emitter(grid, is_split.reshape(labels.shape), left_out=left_out)
+    emitter = Emitter(grid, is_split.reshape(labels.shape), left_out=left_out, first=first)
     is_meshed = np.zeros(labels.shape, dtype=bool)
     is_meshed[1:-1, 1:-1, 1:-1] = True
     is_whole = ~is_split & is_meshed.ravel() & (flat != left_out)
@@ -125,7 +146,7 @@ def emit_spatial(
         _emit_others(emitter, balls, others, corners[:, of_frustum], slots)
     for axis, found in enumerate(faces):
         _emit_refined(emitter, balls, axis, found)
-    return _name_side_balls(emitter.finish(name), decision.field, grid)
+    return emitter
 
 
 def _find_frusta(flat: Labels, faces: list[_Faces]) -> tuple[IntArray, Labels]:
@@ -140,21 +161,6 @@ def _find_frusta(flat: Labels, faces: list[_Faces]) -> tuple[IntArray, Labels]:
         frusta[2 * axis, np.searchsorted(beside, found.upper)] = found.plain
     is_split = (frusta != flat[beside]).any(axis=0)
     return beside[is_split], frusta[:, is_split]
-
-
-def _name_side_balls(emitted: Emitted, field: Field, grid: BackgroundGrid) -> Emitted:
-    """Give the templates in the cells around a ball on a side of the grid a kind of their own."""
-    balls = np.flatnonzero(field.has_ball)
-    if len(balls) == 0:
-        return emitted
-    around = balls[:, None] + (BITS - 1) @ field.steps
-    around = around[~field.inside[around].all(axis=1)]
-    cells = np.unravel_index(around.ravel(), tuple(n + 1 for n in grid.shape))
-    mesh = emitted.mesh
-    is_there = np.isin(mesh.grid_cell, np.ravel_multi_index(cells, grid.shape))
-    is_template = (mesh.kind == SEPARATING) | (mesh.kind == CONNECTING)
-    kind = np.where(is_there & is_template, SIDE_BALL, mesh.kind).astype(np.int8)
-    return emitted._replace(mesh=replace(mesh, kind=kind))
 
 
 class _Others(NamedTuple):
@@ -179,9 +185,7 @@ def _emit_others(
     found = balls.split_others(elements[touching], slots)
     rows = touching[found.rows]
     owners = others.owners[rows]
-    place = np.stack(np.unravel_index(owners, emitter.grid.shape))
-    is_inside = (place >= LAYERS) & (np.array(emitter.grid.shape) - LAYERS > place.T).T
-    of_ball = (found.vertices >= 0) & is_inside.all(axis=0)
+    of_ball = (found.vertices >= 0) & balls.inside[emitter.outer(owners)[:, 0]]
     material = np.where(of_ball, balls.material_at(found.vertices), others.material[rows])
     emitter.add(found.elements, owners, np.where(of_ball, CONNECTING, kind[rows]), material)
 
@@ -311,11 +315,12 @@ def _emit_rings(emitter: Emitter, balls: Balls, ends: list[RingEnd], rings: _Rin
 def _add_small_quads(emitter: Emitter, axis: int, faces: _Faces) -> IntArray:
     """Return new points in faces, or on the sides of the grid just inside, shape (m, 4)."""
     corners = HEX_CORNERS[_upper_face(axis)]
-    lowest = np.stack(np.unravel_index(faces.lower, emitter.grid.shape), axis=1)
+    lowest = emitter.place_of_cells(faces.lower)
     inset = np.where(faces.side == 0, _QUAD_INSET, SMALL_ON_SIDE[0])[:, None, None]
     points = lowest[:, None] + inset + (1 - 2 * inset) * corners
     points[:, :, axis] = (lowest[:, axis] + 1 + SMALL_ON_SIDE[1] * faces.side)[:, None]
-    return emitter.add_points(points.reshape(-1, 3)).reshape(-1, 4)
+    layers = np.repeat(faces.upper // int(np.prod(emitter.grid.shape[1:])), 4)
+    return emitter.add_points(points.reshape(-1, 3), layers).reshape(-1, 4)
 
 
 def _lay_on_side(
@@ -324,7 +329,7 @@ def _lay_on_side(
     """Move the corners of inner cells outside the grid to its side."""
     corners = HEX_CORNERS[_upper_face(axis)]
     for outside, quads in ((faces.side == 1, below), (faces.side == -1, above)):
-        lowest = np.stack(np.unravel_index(faces.lower[outside], emitter.grid.shape), axis=1)
+        lowest = emitter.place_of_cells(faces.lower[outside])
         points = lowest[:, None] + INSET_ON_SIDE + (1 - 2 * INSET_ON_SIDE) * corners
         points[:, :, axis] = (lowest[:, axis] + 1)[:, None]
         emitter.move(quads[outside].ravel(), points.reshape(-1, 3))

@@ -37,6 +37,26 @@ class Emitted(NamedTuple):
     material: NDArray[np.int32]
 
 
+class Collected(NamedTuple):
+    """All elements of an emitter.
+
+    Parameters
+    ----------
+    elements
+        Numbers of the elements' points, in the order in which they were added, shape (m, 2**dim).
+    order
+        The rows of `elements` in the order of their cells, shape (m,).
+    owner, kind, material
+        The flat cell, kind and material of each element, in the order of their cells, shape (m,).
+    """
+
+    elements: IndexArray
+    order: IndexArray
+    owner: IndexArray
+    kind: NDArray[np.int8]
+    material: NDArray[np.int32]
+
+
 class Emitter:
     """A collector of numbered points and elements.
 
@@ -52,26 +72,35 @@ class Emitter:
         Cells with an inner cell, shape n.
     left_out
         A material whose elements are left out; None: all materials have elements.
+    first
+        Where the grid begins along x, in cells from its origin, if it is a part of a larger one.
     """
 
     def __init__(
-        self, grid: BackgroundGrid, has_inner: BoolArray, *, left_out: int | None = None
+        self,
+        grid: BackgroundGrid,
+        has_inner: BoolArray,
+        *,
+        left_out: int | None = None,
+        first: int = 0,
     ) -> None:
         self.grid = grid
+        self._first = np.eye(grid.dim, dtype=np.int64)[0] * first
         self._left_out = left_out
         self.template = TEMPLATES[grid.dim]
         self.vertex_shape = tuple(n + 1 for n in grid.shape)
         self.n_vertices = int(np.prod(self.vertex_shape))
-        self._with_inner = np.flatnonzero(has_inner)
-        most = self.n_vertices + _MOST_POINTS * len(self._with_inner)
+        self.with_inner = np.flatnonzero(has_inner)
+        most = self.n_vertices + _MOST_POINTS * len(self.with_inner)
         self.index = np.dtype(np.int32 if most < 2**31 else np.int64)
-        self._end_of_inner = self.n_vertices + self.template.n_corners * len(self._with_inner)
+        self.end_of_inner = self.n_vertices + self.template.n_corners * len(self.with_inner)
         self._corner_step = np.array(
             [np.ravel_multi_index(tuple(c), self.vertex_shape) for c in CORNERS[grid.dim]]
         )
         self._added: list[FloatArray] = []
+        self.layers: list[IntArray] = []
         self._moved: list[tuple[IndexArray, FloatArray]] = []
-        self._n_points = self._end_of_inner
+        self.n_points = self.end_of_inner
         self._elements: list[IndexArray] = []
         self._owners: list[IndexArray] = []
         self._kinds: list[NDArray[np.int8]] = []
@@ -98,25 +127,52 @@ class Emitter:
             Flat cells that have an inner cell, shape (m,).
         """
         n_corners = self.template.n_corners
-        first = self.n_vertices + n_corners * np.searchsorted(self._with_inner, cells)
+        first = self.n_vertices + n_corners * np.searchsorted(self.with_inner, cells)
         return (first[:, None] + np.arange(n_corners)).astype(self.index)
 
-    def add_points(self, positions: FloatArray) -> IndexArray:
+    def place_of_cells(self, cells: IntArray) -> IntArray:
+        """Return the lowest corners of flat cells, in cells from the origin, shape (m, dim).
+
+        Parameters
+        ----------
+        cells
+            Flat cells, shape (m,).
+        """
+        index = np.unravel_index(cells, self.grid.shape)
+        return np.asarray(np.stack(index, axis=1) + self._first, dtype=np.int64)
+
+    def place_of_vertices(self, vertices: IntArray) -> IntArray:
+        """Return the places of flat grid vertices, in cells from the origin, shape (m, dim).
+
+        Parameters
+        ----------
+        vertices
+            Flat grid vertices, shape (m,).
+        """
+        index = np.unravel_index(vertices, self.vertex_shape)
+        return np.asarray(np.stack(index, axis=1) + self._first, dtype=np.int64)
+
+    def add_points(self, positions: FloatArray, layers: IntArray | None = None) -> IndexArray:
         """Add points at given positions and return their numbers.
 
         Parameters
         ----------
         positions
-            Positions in cells from the grid's lowest corner, shape (m, dim).
+            Positions in cells from the grid's origin, shape (m, dim).
+        layers
+            In space, the layer of cells along x with which each point is numbered, ascending,
+            shape (m,).
 
         Returns
         -------
         numbers
             Shape (m,).
         """
-        numbers = (self._n_points + np.arange(len(positions))).astype(self.index)
+        numbers = (self.n_points + np.arange(len(positions))).astype(self.index)
         self._added.append(positions)
-        self._n_points += len(positions)
+        if layers is not None:
+            self.layers.append(layers)
+        self.n_points += len(positions)
         return numbers
 
     def move(self, numbers: IndexArray, positions: FloatArray) -> None:
@@ -127,7 +183,7 @@ class Emitter:
         numbers
             Numbers of the points, shape (m,).
         positions
-            Positions in cells from the grid's lowest corner, shape (m, dim).
+            Positions in cells from the grid's origin, shape (m, dim).
         """
         self._moved.append((numbers, positions))
 
@@ -163,6 +219,21 @@ class Emitter:
         self._kinds.append(kinds.astype(np.int8))
         self._materials.append(material.astype(np.int32))
 
+    def collect(self) -> Collected:
+        """Return all elements in the order of their cells, and forget them here."""
+        owner = np.concatenate(self._owners)
+        order = np.argsort(owner, kind="stable").astype(self.index)
+        found = Collected(
+            np.concatenate(self._elements),
+            order,
+            owner[order],
+            np.concatenate(self._kinds)[order],
+            np.concatenate(self._materials)[order],
+        )
+        for chunks in (self._owners, self._materials, self._kinds, self._elements):
+            chunks.clear()
+        return found
+
     def finish(self, name: str) -> Emitted:
         """Return the mesh of all elements, in the order of their cells.
 
@@ -172,39 +243,42 @@ class Emitter:
             The model, for messages.
 
         """
-        owner = np.concatenate(self._owners)
-        order = np.argsort(owner, kind="stable").astype(self.index)
-        material = np.concatenate(self._materials)[order]
-        kind = np.concatenate(self._kinds)[order]
-        owner = owner[order]
-        elements = np.concatenate(self._elements)
-        for chunks in (self._owners, self._materials, self._kinds, self._elements):
-            chunks.clear()
-        number = np.full(self._n_points, -1, dtype=self.index)
+        elements, order, owner, kind, material = self.collect()
+        number = np.full(self.n_points, -1, dtype=self.index)
         used = _number_used(elements, number)
         cells = np.empty_like(elements)
         _renumber(elements, order, number, cells)
         del elements, number, order
-        added = np.concatenate([np.empty((0, self.grid.dim)), *self._added])
-        points = np.empty((len(used), self.grid.dim))
-        for start in range(0, len(used), _AT_A_TIME):
-            some = slice(start, start + _AT_A_TIME)
-            points[some] = self.grid.to_points(self._positions(used[some], added))
-        unit = self.grid.unit
+        unit, points = self.grid.unit, self.place(used)
         mesh = VolumeMesh(points, cells, kind=kind, grid_cell=owner, name=name, unit=unit)
         return Emitted(mesh=mesh, material=material)
 
+    def place(self, points: IndexArray) -> FloatArray:
+        """Return the coordinates of ascending points, in model units, shape (m, dim).
+
+        Parameters
+        ----------
+        points
+            Numbers of points, shape (m,).
+        """
+        added = np.concatenate([np.empty((0, self.grid.dim)), *self._added])
+        found = np.empty((len(points), self.grid.dim))
+        for start in range(0, len(points), _AT_A_TIME):
+            some = slice(start, start + _AT_A_TIME)
+            found[some] = self.grid.to_points(self._positions(points[some], added))
+        return found
+
     def _positions(self, points: IndexArray, placed: FloatArray) -> FloatArray:
-        """Return the positions of ascending points, in cells from the grid's lowest corner."""
-        bounds = np.searchsorted(points, [self.n_vertices, self._end_of_inner])
+        """Return the positions of ascending points, in cells from the grid's origin."""
+        bounds = np.searchsorted(points, [self.n_vertices, self.end_of_inner])
         vertices, inner, added = np.split(points, bounds)
         cell, corner = np.divmod(inner - self.n_vertices, self.template.n_corners)
-        lowest = np.stack(np.unravel_index(self._with_inner[cell], self.grid.shape), axis=1)
+        lowest = self.place_of_cells(self.with_inner[cell])
         found = np.concatenate(
             [
-                np.stack(np.unravel_index(vertices, self.vertex_shape), axis=1),
+                self.place_of_vertices(vertices),
                 lowest + self.template.inner[corner],
-                placed[added - self._end_of_inner],
+                placed[added - self.end_of_inner],
             ]
         )
         for numbers, positions in self._moved:

@@ -17,8 +17,9 @@ from tusqh.contacts.decided import Contacts, Labels
 from tusqh.contacts.octants import BITS, octants
 from tusqh.contacts.one_material import MATERIAL, VOID
 from tusqh.contacts.planar import find_pinched
-from tusqh.contacts.surround import LAYERS_OF, surround
+from tusqh.contacts.surround import LAYERS_OF, inner_cells
 from tusqh.grid import BoolArray, IntArray, doubled
+from tusqh.grid.slabs import PackedBits
 from tusqh.sampling.doubled_grid import Multiples
 
 #: The four cells around a vertex of the plane in cyclic order, by offset.
@@ -33,10 +34,12 @@ def label_cells(kept: BoolArray) -> Labels:
     kept
         Kept cells, shape n.
     """
-    return surround(np.where(kept, MATERIAL, VOID).astype(np.int32), VOID)
+    labels = np.full([n + 2 * LAYERS_OF[kept.ndim] for n in kept.shape], VOID, dtype=np.int32)
+    labels[inner_cells(kept.ndim)][kept] = MATERIAL
+    return labels
 
 
-def find_contacts(kept: BoolArray, is_interior: BoolArray) -> Contacts:
+def find_contacts(kept: BoolArray, is_interior: BoolArray | PackedBits) -> Contacts:
     """Return the contacts of kept cells with the votes of their sub-cells.
 
     Parameters
@@ -63,13 +66,13 @@ def find_contacts(kept: BoolArray, is_interior: BoolArray) -> Contacts:
         places, *edges = (np.stack(np.unravel_index(v, vertex_shape), axis=1) for v in found)
         offsets = BITS - 1
     shape = tuple(n + 2 * LAYERS_OF[dim] for n in kept.shape)
-    ball = np.where(is_interior[tuple(2 * places.T)], MATERIAL, VOID)
+    ball = np.where(_at(is_interior, 2 * places), MATERIAL, VOID)
     edge_cells, edge_material = [np.empty((0, 4), dtype=np.int64)], [np.empty(0, dtype=np.int32)]
     for axis, starts in enumerate(edges):
         around = offsets[octants().around[2 * axis + 1]]
         edge_cells.append(_cells_around(starts, around, shape))
         middle = 2 * starts + (np.arange(3) == axis)
-        edge_material.append(np.where(is_interior[tuple(middle.T)], MATERIAL, VOID))
+        edge_material.append(np.where(_at(is_interior, middle), MATERIAL, VOID))
     cells = _cells_around(places, offsets, shape)
     return Contacts(
         vertex_cells=cells,
@@ -114,6 +117,11 @@ def count_contacts(multiples: Multiples, thresholds: IntArray) -> IntArray:
     steps = np.zeros(len(thresholds) + 1, dtype=np.int64)
     _count(np.ascontiguousarray(cells), thresholds, per_mask, steps)
     return np.cumsum(steps)[:-1]
+
+
+def _at(is_interior: BoolArray | PackedBits, places: IntArray) -> BoolArray:
+    """Return the values at some places, shape (r,)."""
+    return np.asarray(is_interior[tuple(places.T)])
 
 
 @cache

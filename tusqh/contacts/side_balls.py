@@ -21,10 +21,13 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tusqh.contacts.octants import BITS, octants
-from tusqh.grid import HEX_CORNERS, BoolArray, FloatArray, IndexArray, IntArray
+from tusqh.contacts.stick_field import Field
+from tusqh.grid import HEX_CORNERS, BackgroundGrid, BoolArray, FloatArray, IndexArray, IntArray
 from tusqh.grid.numbering import FACES
+from tusqh.meshes.volume_mesh import CONNECTING, SEPARATING, SIDE_BALL
 
 #: First number of the points of a ball that belong to octants, to kites, to pairs of a half-edge
 #: and an octant, and to pairs of a half-edge and a kite; and how many there are.
@@ -233,6 +236,31 @@ def split_at_balls(
             np.concatenate([now.vertices[rest], vertices.ravel()]),
         )
     return now
+
+
+def name_side_balls(
+    kind: NDArray[np.int8], owner: IndexArray, field: Field, grid: BackgroundGrid
+) -> NDArray[np.int8]:
+    """Return the kinds of elements; templates around a ball on a side of the grid have their own.
+
+    Parameters
+    ----------
+    kind, owner
+        Kind and flat cell of every element, shape (m,).
+    field
+        Where the balls are.
+    grid
+        The grid with two layers of void.
+    """
+    balls = np.flatnonzero(field.has_ball)
+    if len(balls) == 0:
+        return kind
+    around = balls[:, None] + (BITS - 1) @ field.steps
+    around = around[~field.inside[around].all(axis=1)]
+    cells = np.unravel_index(around.ravel(), tuple(n + 1 for n in grid.shape))
+    is_there = np.isin(owner, np.ravel_multi_index(cells, grid.shape))
+    is_template = (kind == SEPARATING) | (kind == CONNECTING)
+    return np.where(is_there & is_template, SIDE_BALL, kind).astype(np.int8)
 
 
 def place_on_sides(

@@ -19,7 +19,7 @@ from tusqh.geometry.kinds import Surface
 from tusqh.grid import BackgroundGrid, FloatArray, IntArray
 from tusqh.sampling.doubled_grid import Multiples, average_coverage, average_half_blocks
 from tusqh.sampling.field import WindingField
-from tusqh.sampling.fractions import SAMPLES_AT_A_TIME
+from tusqh.sampling.half_blocks import SAMPLES_AT_A_TIME
 from tusqh.sampling.inside import field_of, without_directions
 from tusqh.sampling.lattice import Box, Lattice
 from tusqh.sampling.orient import orient

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from tusqh.grid import IndexArray
 from tusqh.meshes.element_mesh import ElementMesh
-from tusqh.meshes.facets import count_edges
+from tusqh.meshes.facets import ClosedSurface, count_edges
 from tusqh.meshes.numbering import count_components, count_components_by_parts, count_used
 from tusqh.topology.betti_numbers import BettiNumbers
 
@@ -26,7 +27,22 @@ def betti_by_euler(mesh: ElementMesh) -> BettiNumbers:
     if mesh.dim == 2:
         return BettiNumbers(betti_0, betti_0 - (n_points - facets.n_unique + mesh.n_cells))
     euler = n_points - count_edges(mesh.cells) + facets.n_unique - mesh.n_cells
-    betti_2 = count_components(facets.boundary) - betti_0
+    return betti_from_euler(betti_0, euler, facets.boundary)
+
+
+def betti_from_euler(betti_0: int, euler: int, boundary: IndexArray) -> BettiNumbers:
+    """Return the Betti numbers of a mesh of hexes from its counts, see `betti_by_euler`.
+
+    Parameters
+    ----------
+    betti_0
+        Number of components of elements that share points.
+    euler
+        Euler characteristic of the mesh.
+    boundary
+        Points of the boundary faces, shape (m, 4).
+    """
+    betti_2 = count_components(boundary) - betti_0
     return BettiNumbers(betti_0, betti_0 + betti_2 - euler, betti_2)
 
 
@@ -58,7 +74,20 @@ def betti_by_boundary(mesh: ElementMesh) -> BettiNumbers:
     betti_0 = count_components_by_parts(facets.unique, len(facets.local))
     if mesh.dim == 2:
         return BettiNumbers(betti_0, count_components(boundary) - betti_0)
-    sides = facets.boundary_edges
+    return betti_from_boundary(betti_0, facets)
+
+
+def betti_from_boundary(betti_0: int, surface: ClosedSurface) -> BettiNumbers:
+    """Return the Betti numbers of a mesh of hexes from its boundary, see `betti_by_boundary`.
+
+    Parameters
+    ----------
+    betti_0
+        Number of components of elements that share faces.
+    surface
+        The boundary of the mesh.
+    """
+    boundary, sides = surface.boundary, surface.boundary_edges
     n_surfaces = count_components_by_parts(sides.unique, len(sides.local))
     euler = count_used(boundary) - sides.n_unique + len(boundary)
     return BettiNumbers(betti_0, n_surfaces - euler // 2, n_surfaces - betti_0)

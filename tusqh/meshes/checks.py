@@ -6,6 +6,7 @@ crash the process, so these checks come first.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +33,21 @@ CONFORMITY = frozenset(
         "hanging_nodes",
     }
 )
+
+#: What `check_mesh` counts, in words, by `Check.id`.
+_NAMES = {
+    "indices_out_of_range": "corner indices out of range",
+    "non_finite_points": "points with NaN or infinite coordinates",
+    "unused_points": "unused points",
+    "repeated_corners": "elements that use a point twice",
+    "repeated_points": "repeated points",
+    "repeated_elements": "repeated elements",
+    "overfull_facets": "facets shared by more than two elements",
+    "hanging_nodes": "hanging nodes",
+    "non_manifold_points": "non-manifold boundary points",
+    "non_positive_jacobians": "elements with a non-positive corner Jacobian",
+    "misplaced_points": "points at different places in two pieces",
+}
 
 
 @dataclass(frozen=True)
@@ -89,40 +105,53 @@ def check_mesh(mesh: ElementMesh) -> list[Check]:
     ['non_positive_jacobians']
     """
     points, cells = mesh.points, mesh.cells
-    n_out = 0
+    counts = {"indices_out_of_range": 0}
     if cells.min(initial=0) < 0 or cells.max(initial=-1) >= len(points):
-        n_out = int(((cells < 0) | (cells >= len(points))).sum())
-    checks = [_none("indices_out_of_range", "corner indices out of range", n_out)]
-    if n_out:
-        return checks
-    n_infinite, n_used = _count_rows(~np.isfinite(points)), count_used(cells)
-    checks += [
-        _none("non_finite_points", "points with NaN or infinite coordinates", n_infinite),
-        _none("unused_points", "unused points", len(points) - n_used),
-        _none("repeated_corners", "elements that use a point twice", count_repeated_corners(cells)),
-    ]
-    if not all(check.holds for check in checks):
-        return checks
+        counts["indices_out_of_range"] = int(((cells < 0) | (cells >= len(points))).sum())
+        return to_checks(counts)
+    counts |= {
+        "non_finite_points": count_rows(~np.isfinite(points)),
+        "unused_points": len(points) - count_used(cells),
+        "repeated_corners": count_repeated_corners(cells),
+    }
+    if any(counts.values()):
+        return to_checks(counts)
     n_points = count_different_points(points)
     _, n_cells = number_rows(cells, np.arange(cells.shape[1])[None])
     facets = mesh.facets
-    n_overfull = int((facets.n_cells_of > 2).sum())
-    n_bad = len(find_non_manifold_points(facets))
-    n_inverted = int((~(mesh.jacobians.determinant > 0)).sum())
+    return to_checks(
+        counts
+        | {
+            "repeated_points": len(points) - n_points,
+            "repeated_elements": len(cells) - n_cells,
+            "overfull_facets": int((facets.n_cells_of > 2).sum()),
+            "hanging_nodes": count_hanging_nodes(points, facets.boundary),
+            "non_manifold_points": len(find_non_manifold_points(facets)),
+            "non_positive_jacobians": int((~(mesh.jacobians.determinant > 0)).sum()),
+        }
+    )
+
+
+def to_checks(counts: Mapping[str, int]) -> list[Check]:
+    """Return the checks that some counts are 0, in the order of the counts.
+
+    Parameters
+    ----------
+    counts
+        Numbers of faults by `Check.id`.
+    """
     return [
-        *checks,
-        _none("repeated_points", "repeated points", len(points) - n_points),
-        _none("repeated_elements", "repeated elements", len(cells) - n_cells),
-        _none("overfull_facets", "facets shared by more than two elements", n_overfull),
-        _none("hanging_nodes", "hanging nodes", count_hanging_nodes(points, facets.boundary)),
-        _none("non_manifold_points", "non-manifold boundary points", n_bad),
-        _none("non_positive_jacobians", "elements with a non-positive corner Jacobian", n_inverted),
+        Check(id=key, name=_NAMES[key], found=found, required="0", holds=found == 0)
+        for key, found in counts.items()
     ]
 
 
-def _none(identifier: str, name: str, found: int) -> Check:
-    return Check(id=identifier, name=name, found=found, required="0", holds=found == 0)
+def count_rows(is_bad: BoolArray) -> int:
+    """Return the number of rows with a True entry.
 
-
-def _count_rows(is_bad: BoolArray) -> int:
+    Parameters
+    ----------
+    is_bad
+        Truth values, shape (n, k).
+    """
     return int(is_bad.any(axis=1).sum())

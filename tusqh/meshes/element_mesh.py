@@ -40,6 +40,11 @@ class ElementMesh:
         """Number of elements."""
         return len(self.cells)
 
+    @property
+    def n_points(self) -> int:
+        """Number of points."""
+        return len(self.points)
+
     @cached_property
     def facets(self) -> Facets:
         """The sides of quads or the faces of hexes."""

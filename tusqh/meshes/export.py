@@ -66,8 +66,7 @@ def write_vtu(
         meshio.vtu.write(temporary, out, binary=True)
         names = () if regions is None else regions.names
         numbers: dict[str, float] = {NAME + n: number for number, n in enumerate(names, start=1)}
-        if mesh.unit:
-            numbers[UNIT + mesh.unit] = float(metres_in(mesh.unit) or 0.0)
+        numbers |= number_of_unit(mesh.unit)
         if numbers:
             add_numbers(temporary, numbers)
 
@@ -84,14 +83,35 @@ def add_numbers(path: Path, numbers: Mapping[str, float]) -> None:
     numbers
         The numbers by name.
     """
+    content = path.read_bytes()
+    path.write_bytes(content.replace(_HEAD, _HEAD + field_data(numbers), 1))
+
+
+def field_data(numbers: Mapping[str, float]) -> bytes:
+    """Return named numbers as the field data of a VTU file.
+
+    Parameters
+    ----------
+    numbers
+        The numbers by name.
+    """
     arrays = "".join(
         f'<DataArray type="{"Int64" if isinstance(number, int) else "Float64"}" '
         f'Name={quoteattr(name)} NumberOfTuples="1" format="ascii">{number!r}</DataArray>'
         for name, number in numbers.items()
     )
-    content = path.read_bytes()
-    data = f"<FieldData>{arrays}</FieldData>".encode()
-    path.write_bytes(content.replace(_HEAD, _HEAD + data, 1))
+    return f"<FieldData>{arrays}</FieldData>".encode()
+
+
+def number_of_unit(unit: str) -> dict[str, float]:
+    """Return the size of a unit of length by its name in field data; empty without a unit.
+
+    Parameters
+    ----------
+    unit
+        The unit; empty if it is not known.
+    """
+    return {UNIT + unit: float(metres_in(unit) or 0.0)} if unit else {}
 
 
 def read_regions(path: Path) -> Regions | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numba
 import numpy as np
@@ -79,6 +80,18 @@ class Facets:
     def boundary_edges(self) -> Facets:
         """The edges of the boundary faces of hexes, one row for each edge of each face."""
         return find_facets(self.boundary)
+
+
+class ClosedSurface(Protocol):
+    """The boundary faces of a mesh of hexes, and the edges of these faces."""
+
+    @property
+    def boundary(self) -> IndexArray:
+        """Points of the boundary faces, facing outwards, shape (n, 4)."""
+
+    @property
+    def boundary_edges(self) -> Facets:
+        """The edges of these faces, one row for each edge of each face."""
 
 
 def find_facets(cells: IndexArray) -> Facets:

@@ -7,10 +7,10 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from tusqh.grid import IntArray
-from tusqh.meshes.facets import Facets
+from tusqh.meshes.facets import ClosedSurface, Facets
 
 
-def find_non_manifold_points(facets: Facets) -> IntArray:
+def find_non_manifold_points(facets: ClosedSurface) -> IntArray:
     """Return the points at which the boundary is not a manifold.
 
     In 2D every boundary point of a manifold mesh lies on exactly two boundary sides.  In 3D every
@@ -20,7 +20,7 @@ def find_non_manifold_points(facets: Facets) -> IntArray:
     Parameters
     ----------
     facets
-        The facets of a mesh of quads or hexes.
+        The facets of a mesh of quads or hexes, or its boundary alone.
 
     Returns
     -------

@@ -4,13 +4,48 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 from tusqh.errors import MeshError
 from tusqh.meshes.betti import betti_by_boundary, betti_by_euler
 from tusqh.meshes.checks import CONFORMITY, Check, check_mesh
 from tusqh.meshes.element_mesh import ElementMesh
+from tusqh.meshes.jacobians import enclosed_volume
 from tusqh.meshes.manifold import find_non_manifold_points
 from tusqh.topology.betti_numbers import BettiNumbers
+
+
+class Measured(Protocol):
+    """What certificates and verdicts need of a measurement, of a whole mesh or of its pieces."""
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """Checks of indices, coordinates, conformity, boundary and orientation."""
+
+    @property
+    def failed(self) -> tuple[Check, ...]:
+        """The checks that the mesh does not pass."""
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether the mesh passes every check."""
+
+    @property
+    def by_euler(self) -> BettiNumbers:
+        """Betti numbers by components and Euler characteristic."""
+
+    @property
+    def by_boundary(self) -> BettiNumbers:
+        """Betti numbers by components and boundary."""
+
+    def has_topology(self, predicted: BettiNumbers) -> bool:
+        """Return whether both methods measure the predicted Betti numbers.
+
+        Parameters
+        ----------
+        predicted
+            The Betti numbers predicted before meshing.
+        """
 
 
 @dataclass(frozen=True)
@@ -76,6 +111,11 @@ class Measurement:
     def volume(self) -> float:
         """Area or volume of all elements, model units**dim."""
         return float(self.mesh.volumes.sum())
+
+    @cached_property
+    def enclosed(self) -> float:
+        """Volume within the boundary of a mesh of hexes, model units**3."""
+        return enclosed_volume(self.mesh.points, self.mesh.facets.boundary)
 
     def has_topology(self, predicted: BettiNumbers) -> bool:
         """Return whether both methods measure the predicted Betti numbers.

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
+from tusqh.errors import ConfigError
 from tusqh.geometry.image import Image
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.remark import Remark
@@ -24,6 +25,7 @@ from tusqh.pipeline.original import Original
 from tusqh.pipeline.persistence import find_persistence
 from tusqh.pipeline.result import Result
 from tusqh.pipeline.select import select
+from tusqh.pipeline.slabs.mesh import SlabResult, mesh_in_slabs
 from tusqh.pipeline.unused_settings import read_with
 from tusqh.progress import Progress, log_progress
 from tusqh.readers.reading import Reading
@@ -80,11 +82,13 @@ def mesh(
     coarsen: Literal["interior"] | None = None,
     volume_tolerance: float = 0.05,
     checks: Literal["all"] | None = None,
+    slabs: int | Literal["auto"] | None = None,
+    output: Path | str | None = None,
     materials: Materials | None = None,
     rest: str | None = None,
     name: str | None = None,
     progress: Progress = log_progress,
-) -> Result | MaterialsResult:
+) -> Result | MaterialsResult | SlabResult:
     """Return the quad or hex mesh of a dirty geometry, with the requested topology.
 
     Parameters
@@ -172,6 +176,12 @@ def mesh(
         no warning (with `volume`, no error).
     checks
         ``"all"`` lets VTK, MFEM and pymeshlab check meshes of more than 50,000 elements too.
+    slabs
+        Make a large mesh in so many slabs, which need less memory; ``"auto"`` takes as many as fit.
+        The mesh is written to `output`, and the result is a
+        `tusqh.pipeline.slabs.mesh.SlabResult`.
+    output
+        With `slabs`: the file to write, pieces with a ``.pvtu`` file or one ``.vtu`` file.
     materials
         Mesh several materials: ``"parts"`` for the parts of the geometry, or names of labels or
         wishes for materials, such as ``{1: "bone", 2: "marrow"}`` and
@@ -187,7 +197,8 @@ def mesh(
     -------
     result
         The result, with `mesh`, `diagram`, `curves`, `report` and all intermediate results; of
-        several materials with `mesh`, `materials`, `pairs` and `part`.
+        several materials with `mesh`, `materials`, `pairs` and `part`; in slabs with `paths`,
+        `measurement` and `report`.
 
     Raises
     ------
@@ -213,10 +224,26 @@ def mesh(
     """
     given = locals()
     settings = from_arguments(Settings, {key: given[key] for key in arguments_of(Settings)})
+    if settings.memory.slabs is not None or output is not None:
+        path = _require_slabs(settings, output, is_several=has_several_materials(source, materials))
+        return mesh_in_slabs(source, settings, [path], name=name, progress=progress)
     if has_several_materials(source, materials):
         wishes = "parts" if materials is None else materials
         return mesh_several(source, settings, materials=wishes, rest=rest, name=name)
     return run_stages(source, settings, name=name, progress=progress)
+
+
+def _require_slabs(settings: Settings, output: Path | str | None, *, is_several: bool) -> Path:
+    """Return the file of a mesh in slabs, or raise an error if arguments contradict each other."""
+    if settings.memory.slabs is None or output is None or is_several:
+        given = "materials" if is_several else "output" if output is not None else "slabs"
+        raise ConfigError(
+            f"`{given}` with `slabs`" if is_several else f"`{given}` alone",
+            where="tusqh.mesh",
+            expected="`slabs` and `output` together, for a mesh of one material",
+            remedy="give both; the result of a mesh in one piece has the method `write`",
+        )
+    return Path(output)
 
 
 def run_stages(

@@ -11,7 +11,7 @@ from tusqh.geometry.kinds import Geometry
 from tusqh.meshes.checks import Check
 from tusqh.pipeline.sample import sample_with_reference
 from tusqh.progress import Progress, log_progress
-from tusqh.quality.comparison import compare_with_geometry
+from tusqh.quality.comparison import Compared, compare_with_geometry
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.reference import Reference, find_reference
 from tusqh.settings.grid import Grid, Window
@@ -121,9 +121,7 @@ class Original:
         box = None if self.window is None else self.window.box
         return find_reference(self.geometry, fractions, sampling=self.sampling, window=box)
 
-    def compare(
-        self, resolved: Resolved, fractions: VolumeFractions, reference: Reference
-    ) -> list[Check]:
+    def compare(self, resolved: Resolved, fractions: Compared, reference: Reference) -> list[Check]:
         """Return the differences between a mesh and the geometry.
 
         Parameters

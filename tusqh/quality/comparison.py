@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 from scipy import ndimage
 
@@ -10,10 +12,10 @@ from tusqh.antialias.resolve import Resolved
 from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.soup import Soup
 from tusqh.geometry.soup_facts import SoupFacts
+from tusqh.grid import BackgroundGrid
 from tusqh.local_topology.move import LocalCells
 from tusqh.meshes.checks import Check
 from tusqh.quality.thickness import measure_thickness
-from tusqh.sampling.fractions import VolumeFractions, to_level
 from tusqh.sampling.reference import Reference
 
 #: A mesh whose relative volume error exceeds this is not suitable.
@@ -35,9 +37,26 @@ _AMBIGUOUS, _INCONSISTENT, _TIED, _THIN = 0.1, 0.01, 0.05, 0.1
 _THIN_MATERIAL = {2: 0.1, 3: 0.01}
 
 
+class Compared(Protocol):
+    """Volume fractions of a grid, as a whole or in slabs."""
+
+    @property
+    def grid(self) -> BackgroundGrid:
+        """The background grid."""
+
+    def count_ties(self, threshold: float) -> int:
+        """Return the number of cells whose fraction is the threshold itself.
+
+        Parameters
+        ----------
+        threshold
+            Volume fraction, dimensionless.
+        """
+
+
 def compare_with_geometry(
     resolved: Resolved,
-    fractions: VolumeFractions,
+    fractions: Compared,
     geometry: Geometry,
     reference: Reference,
     *,
@@ -144,7 +163,7 @@ def _thin_walls(reference: Reference, geometry: Geometry, size: float) -> list[C
     ]
 
 
-def _small_components(cells: CellSet, fractions: VolumeFractions) -> list[Check]:
+def _small_components(cells: CellSet, fractions: Compared) -> list[Check]:
     """Return a warning if components of the kept cells are small."""
     dim = fractions.grid.dim
     # Cells that touch at a vertex count as joined, as if a pinch connected them.
@@ -166,9 +185,9 @@ def _small_components(cells: CellSet, fractions: VolumeFractions) -> list[Check]
     ]
 
 
-def _ties(cells: CellSet, fractions: VolumeFractions) -> list[Check]:
+def _ties(cells: CellSet, fractions: Compared) -> list[Check]:
     """Return a warning if the fraction of many cells equals the threshold."""
-    n_tied = int((fractions.cell_multiples == to_level(cells.threshold_of_cells)).sum())
+    n_tied = fractions.count_ties(cells.threshold_of_cells)
     n_kept = int(cells.kept.sum())
     if n_tied <= _TIED * n_kept:
         return []

@@ -11,7 +11,6 @@ from tusqh.antialias.scheme import PINCH_TEMPLATES, Scheme
 from tusqh.errors import TusqhError
 from tusqh.extras import MissingExtraError
 from tusqh.meshes.checks import Check
-from tusqh.meshes.jacobians import enclosed_volume
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.quality.overlap import measure_overlap
 from tusqh.quality.surface import judge_surface
@@ -303,8 +302,7 @@ def check_overlap(mesh: VolumeMesh) -> Check:
         name, share = "share of the area covered twice", measure_overlap(mesh)
     else:
         name = "enclosed and filled volume, relative difference"
-        enclosed = enclosed_volume(mesh.points, mesh.facets.boundary)
-        share = abs(enclosed / mesh.measurement.volume - 1)
+        share = abs(mesh.measurement.enclosed / mesh.measurement.volume - 1)
     return Check(
         id="overlap",
         name=name,

@@ -36,8 +36,7 @@ def average_half_blocks(slabs: Iterable[FloatArray], lattice: Lattice) -> Multip
     n_x, n_y, n_z = (int(n) for n in lattice.n_blocks)
     rows = 1 if lattice.is_plane else n_y + 1
     multiples = np.empty((n_x + 1, rows, n_z + 1), dtype=np.int32)
-    pair = 4 if lattice.is_plane else 8
-    scale = 1.0 / (pair * float(lattice.half.prod()) * RESOLUTION)
+    scale = _scale(lattice)
     before = np.zeros((1, n_y, n_z))
     begin = 0
     for slab in slabs:
@@ -46,6 +45,32 @@ def average_half_blocks(slabs: Iterable[FloatArray], lattice: Lattice) -> Multip
         begin += len(slab)
     _round_rows(np.concatenate([before, np.zeros_like(before)]), scale, multiples[begin:])
     return multiples[:, 0] if lattice.is_plane else multiples
+
+
+def average_rows(sums: FloatArray, lattice: Lattice) -> Multiples:
+    """Return the means over the fictitious cells between neighbouring columns of half-blocks.
+
+    Parameters
+    ----------
+    sums
+        Sums over half-blocks in space, shape (m + 1, n_y, n_z).
+    lattice
+        The lattice, in space, to which they belong.
+
+    Returns
+    -------
+    multiples
+        The m rows of the result of `average_half_blocks` between them.
+    """
+    multiples = np.empty((len(sums) - 1, *(n + 1 for n in sums.shape[1:])), dtype=np.int32)
+    _round_rows(sums, _scale(lattice), multiples)
+    return multiples
+
+
+def _scale(lattice: Lattice) -> float:
+    """Return the factor from the sum over a fictitious cell to a multiple of `RESOLUTION`."""
+    pair = 4 if lattice.is_plane else 8
+    return 1.0 / (pair * float(lattice.half.prod()) * RESOLUTION)
 
 
 def combine_half_blocks(means: FloatArray) -> Multiples:
@@ -75,20 +100,23 @@ def combine_half_blocks(means: FloatArray) -> Multiples:
     return multiples[:, 0] if is_plane else multiples
 
 
-def average_coverage(lattice: Lattice) -> Multiples:
+def average_coverage(lattice: Lattice, rows: slice = slice(None)) -> Multiples:
     """Return the share of samples that count in each fictitious cell, like `average_half_blocks`.
 
     Parameters
     ----------
     lattice
         The samples.
+    rows
+        The rows along x that are wanted; all of them by default.
 
     Returns
     -------
     multiples
-        Multiples of `RESOLUTION`, shape ``2 n + 1``, int32.
+        Multiples of `RESOLUTION`, shape ``2 n + 1`` (with `rows`, fewer along x), int32.
     """
     pairs = [np.convolve(share, [0.5, 0.5]) for share in lattice.coverage()]
+    pairs[0] = pairs[0][rows]
     if lattice.is_plane:
         product = pairs[0][:, None] * pairs[2]
     else:

@@ -15,7 +15,7 @@ Everything outside the grid is empty.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -24,7 +24,7 @@ import numpy as np
 
 from tusqh.errors import SamplingError
 from tusqh.geometry.kinds import Surface
-from tusqh.grid import BackgroundGrid, BoolArray, FloatArray, doubled
+from tusqh.grid import BackgroundGrid, BoolArray, FloatArray, IntArray, doubled
 from tusqh.sampling.doubled_grid import (
     RESOLUTION,
     Multiples,
@@ -32,18 +32,13 @@ from tusqh.sampling.doubled_grid import (
     average_half_blocks,
 )
 from tusqh.sampling.field import WindingField
+from tusqh.sampling.half_blocks import Tally, clipped_by_chunk, sums_by_chunk
 from tusqh.sampling.inside import field_of, without_directions
 from tusqh.sampling.lattice import Box, Lattice
 from tusqh.sampling.memory import require_memory
 from tusqh.sampling.nothing_inside import LEAST_MADE, nothing_inside
 from tusqh.sampling.placement import Placement
-from tusqh.settings.sampling import Domain, Orientation, Sampling
-
-#: About how many samples a slab of the lattice holds: this bounds memory and paces progress.
-SAMPLES_AT_A_TIME = 8_000_000
-
-#: Largest winding number whose sums fit in 32 bits.
-_LARGEST = 2000
+from tusqh.settings.sampling import Sampling
 
 
 @dataclass(frozen=True)
@@ -110,6 +105,26 @@ class VolumeFractions:
         """Return the volume (2D: area) that the cell fractions add up to, in model units."""
         total = int(self.cell_multiples.sum(dtype=np.int64))
         return total * RESOLUTION * self.grid.cell_size**self.grid.dim
+
+    def count_at_least(self, thresholds: FloatArray) -> IntArray:
+        """Return the number of cells with at least each of some fractions.
+
+        Parameters
+        ----------
+        thresholds
+            Volume fractions, shape (r,).
+        """
+        return np.array([self.cells_at_least(level).sum() for level in thresholds], dtype=np.int64)
+
+    def count_ties(self, threshold: float) -> int:
+        """Return the number of cells whose fraction is the threshold itself.
+
+        Parameters
+        ----------
+        threshold
+            Volume fraction, dimensionless.
+        """
+        return int((self.cell_multiples == to_level(threshold)).sum())
 
     def at_least(self, threshold: float) -> BoolArray:
         """Return where the fraction is at least a threshold, on the doubled grid.
@@ -180,24 +195,23 @@ def sample_fractions(
     """
     sampling = sampling or Sampling()
     samples, domain = sampling.samples, sampling.domain
-    _check_samples(samples)
-    _check_overlap(geometry, grid, window)
+    require_samples(geometry, grid, sampling, window)
     require_memory(grid, "sampling", name=geometry.name)
     lattice = Lattice.over_grid(grid, samples, window)
     field = field or field_of(geometry, sampling, grid.cell_size)
     orientation = without_directions(sampling).orientation
-    tally = _Tally(float(lattice.half.prod()))
+    tally = Tally(float(lattice.half.prod()))
     if sampling.rule == "average":
-        multiples = average_half_blocks(_slabs(field, lattice, tally, progress), lattice)
+        multiples = average_half_blocks(sums_by_chunk(field, lattice, tally, progress), lattice)
         sign = tally.sign(orientation)
         np.multiply(multiples, sign, out=multiples)
         if domain == "outside":
             np.subtract(average_coverage(lattice), multiples, out=multiples)
     else:
-        for _ in _slabs(field, lattice, tally, None):  # The sign comes first: clipping needs it.
+        for _ in sums_by_chunk(field, lattice, tally):  # Clipping needs the sign.
             pass
         sign = tally.sign(orientation)
-        clipped = _clipped_slabs(field, lattice, sign, domain, progress)
+        clipped = clipped_by_chunk(field, lattice, sign, domain, progress)
         multiples = average_half_blocks(clipped, lattice)
     is_made = sampling.inside != "winding"
     if not tally.is_nonzero or (is_made and (multiples < LEAST_MADE).all()):
@@ -212,83 +226,6 @@ def sample_fractions(
             remedy="use the other `domain`, `orientation: auto`, a finer grid or another window",
         )
     return fractions
-
-
-@dataclass
-class _Tally:
-    """The sum and the extremes of the winding numbers of all samples.
-
-    Parameters
-    ----------
-    per_block
-        Number of samples in a half-block.
-    """
-
-    per_block: float
-    total: float = 0.0
-    is_nonzero: bool = False
-
-    def add(self, sums: FloatArray) -> None:
-        self.total += float(sums.sum())
-        largest = max(float(sums.max(initial=0.0)), -float(sums.min(initial=0.0)))
-        self.is_nonzero |= largest > RESOLUTION * self.per_block
-        if largest > self.per_block * _LARGEST:
-            raise SamplingError(
-                f"a winding number of {largest / self.per_block:.0f}",
-                where="samples",
-                expected=f"at most {_LARGEST}",
-                remedy="remove copies: the geometry covers the same place that many times",
-            )
-
-    def sign(self, orientation: Orientation) -> int:
-        is_flipped = orientation == "flip" or (orientation == "auto" and self.total < 0)
-        return -1 if is_flipped else 1
-
-
-def _slabs(
-    field: WindingField,
-    lattice: Lattice,
-    tally: _Tally,
-    progress: Callable[[int, int], None] | None,
-) -> Iterator[FloatArray]:
-    """Yield the sums over half-blocks, slab by slab along x."""
-    n_x, n_y, n_z = (int(n) for n in lattice.n_blocks)
-    columns = max(16, SAMPLES_AT_A_TIME // (n_y * n_z) // 16 * 16)
-    per_column = n_y * n_z * int(lattice.half.prod())
-    for begin in range(0, n_x, columns):
-        end = min(begin + columns, n_x)
-        sums = field.sums(lattice, begin, end)
-        tally.add(sums)
-        yield sums
-        if progress is not None:
-            progress(end * per_column, n_x * per_column)
-
-
-def _clipped_slabs(
-    field: WindingField,
-    lattice: Lattice,
-    sign: int,
-    domain: Domain,
-    progress: Callable[[int, int], None] | None,
-) -> Iterator[FloatArray]:
-    """Yield sums over half-blocks of the samples of the domain, each clipped to [0, 1]."""
-    single = lattice.of_samples()
-    n_x, n_y, n_z = (int(n) for n in single.n_blocks)
-    half = lattice.half
-    counts = single.coverage()
-    columns = max(1, 16 // int(half[0]), SAMPLES_AT_A_TIME // (int(half[0]) * n_y * n_z))
-    for begin in range(0, int(lattice.n_blocks[0]), columns):
-        end = min(begin + columns, int(lattice.n_blocks[0]))
-        samples = slice(begin * int(half[0]), end * int(half[0]))
-        values = sign * field.sums(single, samples.start, samples.stop)
-        if domain == "outside":
-            values = 1.0 - values
-        np.clip(values, 0.0, 1.0, out=values)
-        values *= counts[0][samples, None, None] * counts[1][:, None] * counts[2]
-        blocked = [m for n, h in zip(values.shape, half, strict=True) for m in (n // h, h)]
-        yield values.reshape(blocked).sum(axis=(1, 3, 5))
-        if progress is not None:
-            progress(samples.stop * n_y * n_z, n_x * n_y * n_z)
 
 
 def to_level(threshold: float) -> int:
@@ -321,6 +258,25 @@ def round_fractions(values: FloatArray) -> FloatArray:
     349525.0
     """
     return np.rint(values / RESOLUTION) * RESOLUTION + 0.0  # + 0.0 turns -0.0 into 0.0
+
+
+def require_samples(
+    geometry: Surface, grid: BackgroundGrid, sampling: Sampling, window: Box | None
+) -> None:
+    """Raise a `SamplingError` if a geometry cannot be sampled on a grid.
+
+    Parameters
+    ----------
+    geometry, grid, sampling, window
+        See `sample_fractions`.
+
+    Raises
+    ------
+    SamplingError
+        `samples` is odd or not positive, or the window or grid misses the geometry.
+    """
+    _check_samples(sampling.samples)
+    _check_overlap(geometry, grid, window)
 
 
 def _check_samples(samples: Any) -> None:

@@ -14,6 +14,10 @@ from tusqh.machine import available_memory
 #: overlaps needs most of it.  Measured on bunny, cube, shell and disc; a test repeats it.
 _MESHING = {2: (20, 900), 3: (40, 184)}
 
+#: Bytes for each cell of the grid that slabs need for the contacts of all cells, and for each cell
+#: of the grid and each kept cell in one slab.
+_SLABS = (28, 45, 330)
+
 #: Bytes that a mesh of any size needs.
 _LEAST = 45_000_000
 
@@ -43,6 +47,28 @@ def estimate_memory(n_cells: int, n_kept: int, *, dim: int) -> int:
     """
     per_cell, per_kept = _MESHING[dim]
     return _LEAST + n_cells * per_cell + n_kept * per_kept
+
+
+def estimate_slabs(n_cells: int, n_kept: int, n_slabs: int) -> int:
+    """Return the memory in bytes that a mesh in slabs needs at its peak.
+
+    Parameters
+    ----------
+    n_cells
+        Cells of the background grid.
+    n_kept
+        Cells of the mesh, without templates.
+    n_slabs
+        Number of slabs.
+
+    Examples
+    --------
+    >>> round(estimate_slabs(512**3, 512**3 // 4, 8) / 1e9, 1)
+    6.0
+    """
+    per_cell, per_cell_of_slab, per_kept = _SLABS
+    of_slab = n_cells * per_cell_of_slab + n_kept * per_kept
+    return _LEAST + n_cells * per_cell + of_slab // n_slabs
 
 
 def require_memory(
@@ -78,12 +104,17 @@ def require_memory(
         needed = estimate_memory(grid.n_cells, min(full, grid.n_cells), dim=grid.dim)
     available = available_memory()
     if needed > available:
+        slabs = (
+            "`--slabs auto`, which makes the same mesh in pieces, "
+            if step == "meshing" and grid.dim == 3
+            else ""
+        )
         coarser = math.ceil(20 * (needed / available) ** (1 / grid.dim)) / 20
         raise SamplingError(
             f"{step} on the {grid.label} grid of {grid.n_cells:,} cells needs about "
             f"{needed / 1e9:.3g} GB",
             where=name,
             expected=f"at most the {available / 1e9:.3g} GB that this machine has left",
-            remedy=f"use cells at least {coarser:g} times as large (`grid.cell_size`), fewer "
-            "`grid.cells`, or a `window` around a part of the geometry",
+            remedy=f"use {slabs}cells at least {coarser:g} times as large (`grid.cell_size`), "
+            "fewer `grid.cells`, or a `window` around a part of the geometry",
         )

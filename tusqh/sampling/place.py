@@ -9,6 +9,7 @@ are moving averages over it.  One pass counts the cells that a threshold keeps f
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numba
 import numpy as np
@@ -17,7 +18,7 @@ from tusqh.geometry.kinds import Surface
 from tusqh.grid import BackgroundGrid, FloatArray, IntArray
 from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.field import WindingField
-from tusqh.sampling.fractions import SAMPLES_AT_A_TIME, VolumeFractions
+from tusqh.sampling.half_blocks import SAMPLES_AT_A_TIME
 from tusqh.sampling.inside import field_of, without_directions
 from tusqh.sampling.lattice import Box, Lattice
 from tusqh.sampling.placement import Placement
@@ -53,9 +54,26 @@ class _Counts:
     lost: FloatArray
 
 
+class Counted(Protocol):
+    """Volume fractions of a grid, as a whole or in slabs."""
+
+    @property
+    def grid(self) -> BackgroundGrid:
+        """The background grid."""
+
+    def count_at_least(self, thresholds: FloatArray) -> IntArray:
+        """Return the number of cells with at least each of some fractions.
+
+        Parameters
+        ----------
+        thresholds
+            Volume fractions, shape (r,).
+        """
+
+
 def place_grid(
     geometry: Surface,
-    fractions: VolumeFractions,
+    fractions: Counted,
     volume: float,
     *,
     sampling: Sampling,
@@ -104,8 +122,7 @@ def place_grid(
     reason = _find_obstacle(volume, sampling, window)
     if reason:
         return grid, Placement(stays.moved, stays.samples, reason=reason)
-    levels = _levels(threshold, sampling.samples**grid.dim)
-    kept = np.array([fractions.cells_at_least(level).sum() for level in levels])
+    kept = fractions.count_at_least(levels_near(threshold, sampling.samples**grid.dim))
     error = float(np.abs(kept * grid.cell_size**grid.dim / volume - 1).max())
     if error <= _GOOD:
         return grid, replace(stays, error=error, corner_error=error)
@@ -204,7 +221,7 @@ def _count(
     counts = _Counts(
         np.zeros((3, *shape), dtype=np.int64), np.zeros(shape, dtype=np.int64), np.zeros(shape)
     )
-    levels = _levels(threshold, int(np.prod(shape)))
+    levels = levels_near(threshold, int(np.prod(shape)))
     n_places = int(single.n_blocks[0]) - shape[0] + 1
     step = max(shape[0], SAMPLES_AT_A_TIME // int(single.n_blocks[1] * single.n_blocks[2]))
     for begin in range(0, n_places, step):
@@ -218,8 +235,16 @@ def _count(
     return counts
 
 
-def _levels(threshold: float, n_samples: int) -> FloatArray:
-    """Return levels a little below, at and a little above a threshold, for rounded fractions."""
+def levels_near(threshold: float, n_samples: int) -> FloatArray:
+    """Return levels a little below, at and a little above a threshold, for rounded fractions.
+
+    Parameters
+    ----------
+    threshold
+        Volume fraction.
+    n_samples
+        Number of samples in a cell.
+    """
     least = 0.5 / n_samples
     return threshold + np.array([-least, -RESOLUTION, least])
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 import numba
 import numpy as np
@@ -14,7 +15,6 @@ from tusqh.geometry.outline import Outline
 from tusqh.grid import BackgroundGrid, FloatArray
 from tusqh.sampling.closing import close
 from tusqh.sampling.field import CrossingField
-from tusqh.sampling.fractions import VolumeFractions
 from tusqh.sampling.inside import field_of
 from tusqh.sampling.lattice import Box, Lattice
 from tusqh.sampling.orient import orient
@@ -60,9 +60,24 @@ class Reference:
     is_made: bool = field(default=False, repr=False)
 
 
+class Sampled(Protocol):
+    """Volume fractions of a grid, as a whole or in slabs."""
+
+    @property
+    def grid(self) -> BackgroundGrid:
+        """The background grid."""
+
+    @property
+    def samples(self) -> int:
+        """Samples along each side of a cell."""
+
+    def volume(self) -> float:
+        """Return the volume (2D: area) that the cell fractions add up to, in model units."""
+
+
 def find_reference(
     geometry: Geometry,
-    fractions: VolumeFractions,
+    fractions: Sampled,
     *,
     sampling: Sampling | None = None,
     window: Box | None = None,
@@ -147,7 +162,7 @@ def signed_volume(geometry: Surface) -> float:
 
 
 def _of_made(
-    geometry: Surface, fractions: VolumeFractions, sampling: Sampling, window: Box | None
+    geometry: Surface, fractions: Sampled, sampling: Sampling, window: Box | None
 ) -> Reference:
     """Return the volume of samples in a made inside, or outside it, on a finer lattice if any."""
     grid, volume = fractions.grid, fractions.volume()

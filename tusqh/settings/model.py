@@ -13,6 +13,7 @@ from tusqh.settings.goal import Goal
 from tusqh.settings.grid import Grid, Window
 from tusqh.settings.lengths import Lengths
 from tusqh.settings.materials import Material, find_repeated
+from tusqh.settings.memory import Memory
 from tusqh.settings.policy import Policy
 from tusqh.settings.quality import Quality
 from tusqh.settings.sampling import Sampling
@@ -66,6 +67,9 @@ class Settings(Section):
     )
     quality: Quality = setting(
         "How far the mesh may be from its geometry.", default=Quality, is_inline=True
+    )
+    memory: Memory = setting(
+        "How a mesh that does not fit into memory is made.", default=Memory, is_inline=True
     )
 
 
@@ -155,6 +159,9 @@ class Model(Section):
             yield ("fit",), "found True", "false: several materials are not fitted yet"
         if self.has_several_materials and self.settings.coarsening.coarsen is not None:
             yield ("coarsen",), "found 'interior'", "none: several materials are not coarsened yet"
+        if self.settings.memory.slabs is not None:
+            expected = "nothing: the workflow has no slabs; `tusqh mesh --slabs` has them"
+            yield ("slabs",), f"found {self.settings.memory.slabs!r}", expected
         if self.rest is not None and not self.has_several_materials:
             yield ("rest",), f"found {self.rest!r}", "`materials` or `labels` beside it"
 

@@ -14,7 +14,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from tusqh.grid.arrays import IntArray
+from tusqh.grid.arrays import BoolArray, IntArray
 from tusqh.grid.doubled import as_layer
 from tusqh.sampling.doubled_grid import RESOLUTION, Multiples
 
@@ -80,8 +80,24 @@ def clamp_at_level(multiples: Multiples, level: int) -> NDArray[np.uint8]:
     >>> bool((clamp_at_level(multiples, 5) == at_once)[::2, ::2].all())
     True
     """
-    nodes = np.zeros([n + 2 * MARGIN for n in multiples.shape], dtype=np.uint8)
-    nodes[(slice(MARGIN, -MARGIN),) * nodes.ndim] = multiples >= level
+    return clamp_present(np.asarray(multiples >= level))
+
+
+def clamp_present(is_present: BoolArray) -> NDArray[np.uint8]:
+    """Return which nodes are present, with one layer of empty cells around them.
+
+    Parameters
+    ----------
+    is_present
+        Whether the multiple of each place is at least a level, shape ``2 n + 1``.
+
+    Returns
+    -------
+    nodes
+        See `clamp_at_level`.
+    """
+    nodes = np.zeros([n + 2 * MARGIN for n in is_present.shape], dtype=np.uint8)
+    nodes[(slice(MARGIN, -MARGIN),) * nodes.ndim] = is_present
     layer = as_layer(nodes)
     _clamp(layer)
     return np.asarray(layer if nodes.ndim == 3 else layer[1])

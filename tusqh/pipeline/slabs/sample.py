@@ -1,0 +1,181 @@
+"""Lay and place the grid of a surface, and sample its fractions in slabs."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from tusqh import __version__
+from tusqh.atomic import write_text
+from tusqh.errors import SamplingError
+from tusqh.geometry.soup import Soup
+from tusqh.grid import BackgroundGrid
+from tusqh.grid.slabs import cut
+from tusqh.hashing import canonical_json, hash_value
+from tusqh.pipeline.original import Original
+from tusqh.pipeline.slabs.folder import WorkFolder
+from tusqh.pipeline.slabs.fractions import SlabFractions, Survey
+from tusqh.pipeline.slabs.limits import count_slabs
+from tusqh.progress import Progress
+from tusqh.sampling.fractions import require_samples
+from tusqh.sampling.layout import lay_grid
+from tusqh.sampling.nothing_inside import nothing_inside
+from tusqh.sampling.orient import orient
+from tusqh.sampling.place import place_grid
+from tusqh.sampling.placement import Placement
+from tusqh.sampling.reference import Reference, find_reference, signed_volume
+from tusqh.sampling.slab_sampler import SlabSampler
+from tusqh.settings.model import Settings
+from tusqh.settings.policy import Policy
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """The fractions of a surface in slabs.
+
+    Parameters
+    ----------
+    fractions
+        The fractions.
+    survey
+        What one pass over them found.
+    reference
+        The volume that the mesh should have.
+    placement
+        Where the grid was placed; None: at the corner, as requested.
+    policy
+        How small features are treated.
+    digests
+        Digests of the fractions at the corner and, if they are others, where the grid was placed.
+    """
+
+    fractions: SlabFractions
+    survey: Survey
+    reference: Reference
+    placement: Placement | None
+    policy: Policy
+    digests: tuple[str, ...]
+
+
+class _Sampler:
+    """Makes the fractions of grids in slabs."""
+
+    def __init__(
+        self, original: Original, settings: Settings, folder: WorkFolder, progress: Progress
+    ) -> None:
+        self.original, self.settings, self.folder = original, settings, folder
+        self.geometry = cast("Soup", original.geometry)
+        self.oriented = cast("Soup", orient(self.geometry, original.sampling.orientation).geometry)
+        self.box = None if original.window is None else original.window.box
+        self.progress = progress
+        self.inputs = {
+            "tusqh": __version__,
+            "geometry": digest_of(self.oriented),
+            "settings": original.to_dict(),
+        }
+
+    def fractions(self, grid: BackgroundGrid, n_slabs: int) -> SlabFractions:
+        """Return the fractions of a grid, which are sampled when they are needed."""
+        slabs = cut(grid, n_slabs)
+        digest = hash_value(
+            {**self.inputs, "grid": grid.to_dict(), "slabs": [list(slab) for slab in slabs]}
+        )
+        sampling = self.original.sampling
+        require_samples(self.geometry, grid, sampling, self.box)
+        sampler = SlabSampler.of(self.oriented, grid, sampling, self.box)
+        sign = self.folder.name("sign", digest, 0).with_suffix(".json")
+        if sign.is_file():
+            sampler.sign = int(json.loads(sign.read_text("utf-8")))
+        else:
+            tally = sampler.take_all()
+            if not tally.is_nonzero:
+                raise nothing_inside(self.geometry, sampling, grid.cell_size)
+            write_text(sign, canonical_json(sampler.sign))
+        return SlabFractions(grid, slabs, sampling.samples, sampler.sample, self.folder, digest)
+
+    def survey(self, fractions: SlabFractions, threshold: float) -> Survey:
+        """Return what one pass over fractions finds."""
+        return fractions.survey(threshold, self.progress("samples"))
+
+
+def sample_in_slabs(
+    original: Original, settings: Settings, folder: WorkFolder, *, name: str, progress: Progress
+) -> Sampled:
+    """Return the fractions of a surface in slabs, on the grid that its settings specify.
+
+    Parameters
+    ----------
+    original
+        The surface, and the settings with which it is sampled.
+    settings
+        All settings; the threshold is given.
+    folder
+        Where finished slabs are kept.
+    name
+        The model, for messages.
+    progress
+        Shows how many slabs have been sampled.
+
+    Raises
+    ------
+    SamplingError
+        Grid, window and geometry do not match, nothing is inside, or the slabs do not fit.
+    """
+    sampler = _Sampler(original, settings, folder, progress)
+    options, sampling = original.grid, original.sampling
+    grid = lay_grid(sampler.geometry, sampler.box, cells=options.cells, cell_size=options.cell_size)
+    volume = signed_volume(sampler.oriented) if sampling.domain == "inside" else None
+    n_slabs = count_slabs(settings, grid, volume, name)
+    threshold = settings.goal.threshold
+    assert threshold is not None
+    fractions = sampler.fractions(grid, n_slabs)
+    digests = [fractions.digest]
+    survey = sampler.survey(fractions, threshold)
+    if not survey.has_some:
+        raise SamplingError(
+            f"no cell of the {grid.label} grid has a positive fraction of the {sampling.domain} of "
+            "the geometry",
+            where=name,
+            expected="some material in the grid",
+            remedy="use the other `domain`, `orientation: auto`, a finer grid or another window",
+        )
+    progress("placement")
+    reference = find_reference(sampler.geometry, survey, sampling=sampling, window=sampler.box)
+    placement = None
+    if options.placement == "auto":
+        placed, placement = place_grid(
+            sampler.oriented,
+            survey,
+            reference.volume,
+            sampling=sampling,
+            window=sampler.box,
+            threshold=threshold,
+        )
+        if placement.is_moved:
+            del survey
+            fractions = sampler.fractions(placed, n_slabs)
+            digests.append(fractions.digest)
+            survey = sampler.survey(fractions, threshold)
+            reference = find_reference(
+                sampler.geometry, survey, sampling=sampling, window=sampler.box
+            )
+    return Sampled(fractions, survey, reference, placement, settings.policy, tuple(digests))
+
+
+def digest_of(geometry: Soup) -> str:
+    """Return a digest of the points and triangles of a surface.
+
+    Parameters
+    ----------
+    geometry
+        The surface.
+    """
+    found = hashlib.sha256()
+    for array in (geometry.points, geometry.triangles):
+        found.update(str((array.shape, array.dtype.str)).encode())
+        found.update(np.ascontiguousarray(array).tobytes())
+    return found.hexdigest()
