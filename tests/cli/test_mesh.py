@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import pyvista
 import trimesh
+from drawings import is_drawn
 from typer.testing import CliRunner
 
 from tusqh.cli.app import app, main
@@ -264,3 +265,29 @@ def test_help_has_examples(command):
     assert done.exit_code == 0
     assert "For example" in done.output
     assert f"tusqh {command} " in done.output
+
+
+def test_a_layer_a_picture_and_the_tables_of_sets(call, tmp_path):
+    rings = "x0,y0,x1,y1\n0,0,9,0\n9,0,9,9\n9,9,0,9\n0,9,0,0\n"
+    rings += "3,3,3,6\n3,6,6,6\n6,6,6,3\n6,3,3,3\n"
+    (tmp_path / "frame.csv").write_text(rings)
+    words = ["mesh", "frame.csv", "--cells", 9, "--betti", "1,1", "--set", "bore=near:4,4"]
+    code, out, err = call(*words, "--layer", 0.5, "-o", "a.msh", "--picture", "a.png")
+    assert code == 0, err
+    assert "written a.msh, a_sets.csv, a.png" in out
+    assert "elements scaled Jacobian at least 1.000" in out
+    names = set(meshio.read(tmp_path / "a.msh").field_data)
+    assert names == {"x_min", "x_max", "y_min", "y_max", "back", "front", "bore", "solid"}
+    assert is_drawn(tmp_path / "a.png")
+    code, out, err = call(*words, "-o", "b.vtu", "--sets")
+    assert code == 0, err
+    assert "written b.vtu, b_sets.csv, b_boundary.vtu" in out
+    code, _, err = call(*words, "--picture", "a.bmp")
+    assert code == 2
+    assert "names no format of pictures" in err
+    code, _, err = call(*words, "--element", "C3D9")
+    assert code == 2
+    assert "the element 'C3D9' is not known" in err
+    code, _, err = call(*words, "--set", "bore=4,4")
+    assert code == 2
+    assert "NAME=near:X,Y,Z" in err
