@@ -64,9 +64,11 @@ def _compile_sampling() -> None:
     from tusqh.geometry.outline import Outline
     from tusqh.geometry.soup import Soup
     from tusqh.pipeline.ingest import describe_geometry
+    from tusqh.pipeline.insides import compare_insides
     from tusqh.pipeline.sample import sample
     from tusqh.quality.thickness import measure_thickness
     from tusqh.settings.grid import Grid
+    from tusqh.settings.model import Settings
 
     points, triangles = _ring()
     is_kept = np.arange(len(triangles)) != 5
@@ -74,6 +76,7 @@ def _compile_sampling() -> None:
     geometries: list[Surface] = [Outline.from_chains([square], name="plate")]
     for faces in (triangles, triangles[is_kept]):
         geometries.append(Soup(points, faces, np.zeros(len(faces), dtype=np.int64), name="ring"))
+    compare_insides(geometries[-1], Settings(), cells=8)
     for geometry in geometries:
         describe_geometry(geometry)
         sample(geometry, grid=Grid(cells=8), threshold=0.5)
