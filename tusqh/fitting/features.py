@@ -10,7 +10,8 @@ from scipy.sparse.csgraph import connected_components
 
 from tusqh.fitting.nearest_sample import Bins, find_samples, sort_samples
 from tusqh.fitting.patches import find_patches, label_facets, neighbours_of
-from tusqh.fitting.skin import Skin
+from tusqh.fitting.planes import Planes
+from tusqh.fitting.skin import Skin, unit
 from tusqh.fitting.target import Target
 from tusqh.grid import BoolArray, FloatArray, IntArray
 
@@ -18,6 +19,17 @@ from tusqh.grid import BoolArray, FloatArray, IntArray
 _CREASE, _SMOOTH = 30.0, 35.0
 #: Farthest patch from a feature edge, in cells, and fewest edges of a chain.
 _NEAR, _SHORTEST = 1.5, 4
+#: Weights with which vertices are spread along a chain, and beside its ends; planes of patches have
+#: 1.
+_SPREAD, _SPREAD_AT_END = 0.005, 0.1
+#: Farthest plane of a patch from a feature vertex, in cells.
+_FAR = 2.5
+#: How much stronger vertices of feature edges and corners are pulled, and by which factor the pull
+#: falls in each round where hexes are bad.
+_AT_EDGE, _AT_CORNER = 5.0, 25.0
+_RELEASE_EDGE, _RELEASE_CORNER = 0.5, 0.8
+#: Most edges of a row between creases that counts as a crease, too.
+_GAP = 4
 
 
 @dataclass(frozen=True)
@@ -50,6 +62,81 @@ class Features:
         found = np.zeros(n, dtype=np.bool_)
         found[self.edges] = True
         return found
+
+    def corners(self, n: int) -> BoolArray:
+        """Return which of n vertices of the skin are corners, where 3 patches meet, shape (n,).
+
+        Parameters
+        ----------
+        n
+            Number of vertices.
+        """
+        return np.asarray(np.bincount(self.vertex, minlength=n) >= 3)
+
+    def strength(self, n: int) -> FloatArray:
+        """Return how much stronger each of n vertices of the skin is pulled, shape (n,).
+
+        Parameters
+        ----------
+        n
+            Number of vertices.
+        """
+        return np.where(self.corners(n), _AT_CORNER, np.where(self.is_on(n), _AT_EDGE, 1.0))
+
+    def release(self, n: int, usual: float) -> FloatArray:
+        """Return by which factor the pull of each vertex falls where hexes are bad, shape (n,).
+
+        Parameters
+        ----------
+        n
+            Number of vertices.
+        usual
+            The factor of vertices that are not on a feature edge.
+        """
+        of_edges = np.where(self.is_on(n), _RELEASE_EDGE, usual)
+        return np.where(self.corners(n), _RELEASE_CORNER, of_edges)
+
+    def planes(
+        self, bins: Bins, places: FloatArray, normals: FloatArray, anchor: FloatArray
+    ) -> Planes:
+        """Return one plane of every patch around every feature vertex.
+
+        Parameters
+        ----------
+        bins
+            The samples with their patches.
+        places, normals
+            Places and normals of the skin's vertices, shape (b, 3) each.
+        anchor
+            Places from which planes may not be too far, shape (b, 3).
+        """
+        rows = self.vertex
+        found = find_samples(
+            bins, places[rows], normals[rows], _FAR, self.patch, turn=0.1, reach=_FAR
+        )
+        away = np.linalg.norm(found.points - anchor[rows], axis=1)
+        weight = np.where(found.is_found & (away <= _FAR), 1.0, 0.0)
+        return Planes(rows, found.points, found.normals, weight)
+
+    def spread(self, places: FloatArray) -> Planes:
+        """Return planes across the chains that spread vertices evenly along them.
+
+        Without them vertices beside a corner may slide beyond it, as planes of patches do not end.
+
+        Parameters
+        ----------
+        places
+            Places of the skin's vertices, shape (b, 3).
+        """
+        both = np.concatenate([self.edges, self.edges[:, ::-1]])
+        both = both[np.argsort(both[:, 0], kind="stable")]
+        degree = np.bincount(both[:, 0], minlength=len(places))
+        ends = both[degree[both[:, 0]] == 2]
+        rows, (one, other) = ends[::2, 0], ends[:, 1].reshape(-1, 2).T
+        middle = (places[one] + places[other]) / 2
+        along = unit(places[other] - places[one])
+        is_at_end = (degree[one] != 2) | (degree[other] != 2)
+        return Planes(rows, middle, along, np.where(is_at_end, _SPREAD_AT_END, _SPREAD))
 
     def averages(self, skin: Skin) -> csr_array:
         """Return the matrix of means of neighbours; along chains, and corners stay.
@@ -129,7 +216,34 @@ def _crease_edges(bins: Bins, skin: Skin, places: FloatArray, label: IntArray) -
     one = find_samples(bins, middle, normals, _NEAR, label[facet], turn=0.1, reach=_NEAR)
     other = find_samples(bins, middle, normals, _NEAR, label[across], turn=0.1, reach=_NEAR)
     bend = np.einsum("ek,ek->e", one.normals, other.normals) < np.cos(np.radians(_CREASE))
-    return np.asarray(edges[one.is_found & other.is_found & bend])
+    is_crease = one.is_found & other.is_found & bend
+    pair = np.sort(np.stack([label[facet], label[across]], axis=1), axis=1)
+    return np.asarray(edges[is_crease | _gaps(edges, pair, is_crease)])
+
+
+def _gaps(edges: IntArray, pair: IntArray, is_crease: BoolArray) -> BoolArray:
+    """Return short rows of other edges between creases of the same two patches, or to a corner."""
+    rest = np.flatnonzero(~is_crease)
+    n = int(edges.max(initial=0)) + 1
+    name = np.unique(pair, axis=0, return_inverse=True)[1].ravel()
+    node = edges + n * name[:, None]
+    places, local = np.unique(node, return_inverse=True)
+    local = local.reshape(-1, 2)
+    graph = coo_array((np.ones(len(rest)), tuple(local[rest].T)), shape=(len(places),) * 2)
+    run = connected_components(graph, directed=False)[1]
+    degree = np.bincount(local[rest].ravel(), minlength=len(places))
+    has_crease = np.bincount(local[is_crease].ravel(), minlength=len(places)) > 0
+    n_pairs = np.bincount(places % n, minlength=n)[places % n]
+    is_end = degree == 1
+    is_bad = is_end & ~has_crease & (n_pairs < 2)
+    n_runs = int(run.max(initial=-1)) + 1
+    length = np.bincount(run[local[rest, 0]], minlength=n_runs)
+    is_good = length <= _GAP
+    is_good &= np.bincount(run[is_bad], minlength=n_runs) == 0
+    is_good &= np.bincount(run[has_crease & (degree > 0)], minlength=n_runs) > 0
+    found = np.zeros(len(edges), dtype=np.bool_)
+    found[rest] = is_good[run[local[rest, 0]]]
+    return found
 
 
 def _long_chains(edges: IntArray, n: int) -> IntArray:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numpy as np
 import pandas as pd
 
+from tusqh.grid import IntArray
 from tusqh.meshes.volume_mesh import VolumeMesh
 
 #: Columns of `Fitted.fell_back`: a place in model units, the number of points that differ from the
@@ -35,9 +37,16 @@ class Fitted:
         One row for each region that could not be fitted as wished, see `FELL_BACK_COLUMNS`.
     facts
         Numbers about the run, such as the seconds of each step.
+    patch
+        Smooth patch of the surface to which each boundary facet belongs, in the order of
+        ``mesh.facets.boundary``, -1 for none, shape (f,); None: patches were not asked for.
+    edges
+        Ends of the feature edges, points of the mesh, shape (e, 2).
     """
 
     mesh: VolumeMesh
     distances: pd.DataFrame
     fell_back: pd.DataFrame
     facts: dict[str, float] = field(default_factory=dict)
+    patch: IntArray | None = None
+    edges: IntArray = field(default_factory=lambda: np.zeros((0, 2), dtype=np.int64))

@@ -79,7 +79,10 @@ def fit_hexes(
     )
     distances = measure_distances(new, target, rounds.is_owned)
     fell_back = pd.concat(regions, ignore_index=True)
-    return Fitted(new, distances, fell_back, {"seconds": perf_counter() - begin})
+    features = rounds.features
+    patch = None if features is None else features.label
+    edges = rounds.skin.vertices[np.zeros((0, 2), int) if features is None else features.edges]
+    return Fitted(new, distances, fell_back, {"seconds": perf_counter() - begin}, patch, edges)
 
 
 def _badness(rounds: Rounds, regions: list[pd.DataFrame]) -> float:

@@ -7,6 +7,7 @@ import logging
 import numpy as np
 
 from tusqh.fitting.moving import Moving
+from tusqh.fitting.validity import find_unproven
 from tusqh.grid import BoolArray, FloatArray
 
 _LOG = logging.getLogger("tusqh")
@@ -19,10 +20,15 @@ _WIDE, _ROUNDS = 4, 24
 #: the distance matters more.
 _LEAST, _MANY = 0.35, 0.005
 #: Factor of the weights around bad hexes in each round, and the weight that they keep.
-_RELEASE, _KEPT = 0.25, 0.1
+RELEASE, _KEPT = 0.25, 0.1
 
 
-def polish(moving: Moving, enough: FloatArray, held: BoolArray | None = None) -> None:
+def polish(
+    moving: Moving,
+    enough: FloatArray,
+    held: BoolArray | None = None,
+    release: FloatArray | None = None,
+) -> None:
     """Move vertices so that the worst hexes become better.
 
     In the first rounds all hexes below the wish count, then only those that are not yet good enough
@@ -37,6 +43,10 @@ def polish(moving: Moving, enough: FloatArray, held: BoolArray | None = None) ->
         Scaled Jacobian with which each hex is good enough, shape (m,).
     held
         Vertices whose fit terms keep their weights, shape (n,); None: none.
+    release
+        Factor of the weight of each vertex around bad hexes in each round, shape (n,), where there
+        are feature edges; hexes that are not proven to be free of folds are bad, too.  None: all
+        `RELEASE`.
     """
     for round_ in range(_ROUNDS):
         scaled = moving.quality.scaled
@@ -44,6 +54,8 @@ def polish(moving: Moving, enough: FloatArray, held: BoolArray | None = None) ->
         is_wide = round_ < _WIDE
         if not is_wide and is_bad.mean() > _MANY:
             is_bad &= scaled < _LEAST
+        if release is not None:
+            is_bad |= find_unproven(moving.points, moving.cells)
         if not is_bad.any():
             return
         around = np.zeros(len(moving.points), dtype=np.bool_)
@@ -58,6 +70,7 @@ def polish(moving: Moving, enough: FloatArray, held: BoolArray | None = None) ->
             if held is not None:
                 around &= ~held
             weight = moving.weight[around]
-            moving.weight[around] = np.maximum(_RELEASE * weight, np.minimum(weight, _KEPT))
+            factor = RELEASE if release is None else release[around]
+            moving.weight[around] = np.maximum(factor * weight, np.minimum(weight, _KEPT))
         moving.sweep(4, wish=_WISH if is_wide else _LATER_WISH, longest=0.1)
         _LOG.debug("polished: least scaled Jacobian %.4f", moving.quality.scaled.min())

@@ -20,8 +20,8 @@ from tusqh.meshes.jacobians import smallest_jacobians
 _PULLS = ((0, 100.0), (0, 300.0), (0, 300.0), (1, 300.0), (1, 1000.0), (1, 1000.0), (2, 1000.0))
 #: Share of the way back in one round, and how much less it is one ring farther away.
 _SHARE, _FADE = 0.34, 0.2
-#: Rounds in which vertices are put back.
-_BACKS = 24
+#: Rounds in which vertices are put back, first those with a small share.
+_BACKS, _GENTLE, _LITTLE = 28, 4, 0.04
 
 #: Scaled Jacobian below which a hex goes back to its safe place if it is better there.
 POOR = 0.21
@@ -119,8 +119,9 @@ def put_back(moving: Moving, skin: Skin, safe: FloatArray) -> BoolArray:
         faults[moving.cells[(moving.quality.scaled < POOR) & ~was_poor]] = True
         if not faults.any():
             return share > 0
-        near = moving.spread(faults, round_ // 4)
-        share[near] = np.minimum(1.0, share[near] + _SHARE)
+        near = moving.spread(faults, max(0, round_ - _GENTLE) // 4)
+        step = _LITTLE if round_ < _GENTLE else _SHARE
+        share[near] = np.minimum(1.0, share[near] + step)
         for _ in range(int(1 / _FADE)):
             share = np.maximum(share, _largest_around(moving, share) - _FADE)
         moving.points[:] = fitted + share[:, None] * (safe - fitted)

@@ -15,7 +15,7 @@ from tusqh.fitting.moving import Moving
 from tusqh.fitting.nearest_sample import Bins, find_samples, sort_samples
 from tusqh.fitting.pillow import pillow
 from tusqh.fitting.planes import FitTerms, Planes, choose, combine, squares
-from tusqh.fitting.polish import polish
+from tusqh.fitting.polish import RELEASE, polish
 from tusqh.fitting.skin import Skin, unit
 from tusqh.fitting.target import Target, to_cells
 from tusqh.grid import BoolArray, FloatArray, IntArray
@@ -27,18 +27,18 @@ _LOG = logging.getLogger("tusqh")
 _INWARDS = 0.3
 #: Largest distance from the staircase to the target, in cells.
 _CAP = 1.25
-#: The same for feature vertices, and how much stronger they are pulled.
-_FEATURE_CAP, _SHARP = 2.5, 5.0
 #: Weight of a vertex' own planes; those of its facets have the rest.
 _OWN = 1 / 3
 #: Thresholds this near 1/2 need no way along the level sets.
 _SAME = 0.02
 #: Weights of the fit term in the rounds of planes.
 _WEIGHTS = (10.0, 20.0, 50.0, 100.0, 200.0, 400.0, 400.0)
+#: From this weight on, feature edges take more sweeps to settle.
+_LATE = 200.0
 #: Scaled Jacobian that each hex should reach in the polish.
 _ENOUGH = 0.46
 #: The same at feature edges, where a facet may have a corner of nearly 180 degrees.
-_ENOUGH_SHARP = 0.32
+_ENOUGH_SHARP = 0.31
 #: Weight of the fit term that leads to the smoothed staircase.
 _CALM = 100.0
 #: Weight of the fit term that holds a vertex where it is, in the polish.
@@ -272,7 +272,10 @@ class Rounds:
             is_on = features.is_on(len(places))
             share[is_on] = 0.0
             planes[0].weight[is_on] = 0.0
-            planes.append(self.patch_planes(features, normals))
+            planes += [
+                features.planes(self.bins, places, normals, self.anchor),
+                features.spread(places),
+            ]
             is_found[is_on] = False
             is_found[planes[1].row[planes[1].weight > 0]] = True
         of_facets = Planes(np.arange(len(facets)), found.points, found.normals, weight)
@@ -280,24 +283,11 @@ class Rounds:
         terms.matrix[:, :3] += 0.002
         return terms, is_found
 
-    def patch_planes(self, features: Features, normals: FloatArray) -> Planes:
-        """Return one plane of every patch around every feature vertex.
-
-        Parameters
-        ----------
-        features
-            The feature edges.
-        normals
-            Normals of the boundary vertices, shape (b, 3).
-        """
-        places = self.places[features.vertex]
-        at = normals[features.vertex]
-        found = find_samples(
-            self.bins, places, at, _FEATURE_CAP, features.patch, turn=0.1, reach=_FEATURE_CAP
-        )
-        away = np.linalg.norm(found.points - self.anchor[features.vertex], axis=1)
-        weight = np.where(found.is_found & (away <= _FEATURE_CAP), 1.0, 0.0)
-        return Planes(features.vertex, found.points, found.normals, weight)
+    @cached_property
+    def strength(self) -> FloatArray:
+        """How much stronger each boundary vertex is pulled: more at features, shape (b,)."""
+        n = self.skin.n_vertices
+        return np.ones(n) if self.features is None else self.features.strength(n)
 
     def approach(self, weight: float) -> None:
         """Move the boundary towards the planes of samples, else to the 1/2 level set.
@@ -311,15 +301,19 @@ class Rounds:
         level, is_level = self.level_terms(0.5)
         both = choose(is_found, terms, choose(is_level, level, self.calm))
         weights = np.where(is_found, weight, np.where(is_level, min(weight, 10.0), 3.0))
-        if self.features is not None:
-            weights[self.features.vertex] *= np.where(is_found[self.features.vertex], _SHARP, 1.0)
+        weights *= np.where(is_found, self.strength, 1.0)
         self.moving.aim(self.skin.vertices, both, weights)
-        self.moving.sweep(3, power=2)
+        is_late = self.features is not None and weight >= _LATE
+        self.moving.sweep(6 if is_late else 3, power=2)
         self._log(f"weight {weight}, {is_found.mean():.3f} on samples, {is_level.mean():.3f}")
 
     def polish(self) -> None:
         """Raise the smallest scaled Jacobians, see `tusqh.fitting.polish.polish`."""
-        polish(self.moving, self.enough, self.held)
+        release = None
+        if self.features is not None:
+            release = np.full(len(self.moving.points), RELEASE)
+            release[self.skin.vertices] = self.features.release(self.skin.n_vertices, RELEASE)
+        polish(self.moving, self.enough, self.held, release)
 
     @cached_property
     def enough(self) -> FloatArray:
