@@ -6,7 +6,7 @@ import trimesh
 
 import tusqh
 from tusqh.fitting import Target, fit_mesh
-from tusqh.fitting.features import find_features
+from tusqh.fitting.features import Features, _gaps, find_features
 from tusqh.fitting.patches import find_patches
 from tusqh.fitting.skin import Skin
 from tusqh.fitting.target import to_cells
@@ -66,3 +66,47 @@ def test_a_ball_has_no_features():
     ball = trimesh.creation.icosphere(subdivisions=4)
     mesh, target = mesh_of(ball, 14)
     assert features_of(mesh, target)[1] is None
+
+
+def test_a_short_gap_between_creases_of_two_patches_is_filled():
+    edges = np.array([[0, 1], [1, 2], [2, 3], [3, 4], [5, 6], [6, 7]])
+    pair = np.array([[0, 1]] * 4 + [[2, 3]] * 2)
+    is_crease = np.array([True, False, False, True, False, False])
+    assert _gaps(edges, pair, is_crease).tolist() == [False, True, True, False, False, False]
+
+
+def test_a_row_that_ends_in_no_corner_is_not_filled():
+    edges = np.array([[0, 1], [1, 2], [2, 3]])
+    pair = np.zeros((3, 2), dtype=int)
+    is_crease = np.array([True, False, False])
+    assert not _gaps(edges, pair, is_crease).any()
+    other = np.array([[0, 1], [1, 2], [2, 3], [3, 4]])  # At 3 another pair of patches begins.
+    pair = np.array([[0, 1], [0, 1], [0, 1], [1, 2]])
+    is_crease = np.array([True, False, False, True])
+    assert _gaps(other, pair, is_crease).tolist() == [False, True, True, False]
+
+
+def test_vertices_are_spread_towards_the_middle_of_their_neighbours():
+    edges = np.array([[0, 1], [1, 2], [2, 3], [3, 4], [4, 5]])
+    vertex, patch = np.repeat(np.arange(6), 2), np.tile([0, 1], 6)
+    features = Features(np.zeros(1, dtype=int), edges, vertex, patch)
+    places = np.array([[0.0, 0, 0], [0.2, 0, 0], [2.0, 0, 0], [3, 0, 0], [4, 0, 0], [5, 0, 0]])
+    planes = features.spread(places)
+    assert planes.row.tolist() == [1, 2, 3, 4]
+    assert planes.points[:, 0].tolist() == [1.0, 1.6, 3.0, 4.0]
+    assert np.abs(planes.normals[:, 0]).tolist() == [1.0] * 4
+    assert planes.weight[0] == planes.weight[3] > planes.weight[1] == planes.weight[2]
+
+
+def test_a_fitted_mesh_says_which_facets_belong_to_which_patch():
+    mesh, target = mesh_of(turned_box(0), 14)
+    fitted = fit_mesh(mesh, target, cell_size=target.grid.cell_size)
+    facets = fitted.mesh.facets.boundary
+    assert set(fitted.patch) == set(range(6))
+    corners = fitted.mesh.points[facets]
+    normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    for patch in range(6):
+        own = normals[fitted.patch == patch]
+        assert (own @ own.mean(axis=0) > 0.8).mean() > 0.98
+    assert np.isin(fitted.edges, facets).all()
