@@ -13,6 +13,7 @@ import tusqh
 from studies.methods.creased_solids import SOLIDS, CreasedSolid
 from tusqh.fitting import Target, fit_mesh
 from tusqh.fitting.fitted import Fitted
+from tusqh.fitting.of_geometry import target_of
 from tusqh.fitting.target import to_cells
 from tusqh.grid import FloatArray
 from tusqh.sampling.nearest_triangle import find_nearest, make_tree
@@ -46,7 +47,7 @@ def measure_creases(names: Sequence[str], seeds: Sequence[int]) -> pd.DataFrame:
             surface = solid.points, solid.triangles
             result = tusqh.mesh(surface, cells=cells, placement="corner", threshold=0.5)
             assert isinstance(result, tusqh.Result)
-            target = Target.of(result.geometry, result.fractions)
+            target = target_of(result.geometry, result.fractions)
             fitted = fit_mesh(result.mesh, target, cell_size=target.grid.cell_size)
             row = {"solid": name, "seed": seed, "cells": cells, "elements": fitted.mesh.n_cells}
             rows.append(row | compare(solid, fitted, target))
