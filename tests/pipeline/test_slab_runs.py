@@ -7,8 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
+from typer.testing import CliRunner
 
 import tusqh
+from tusqh.cli.app import app
 from tusqh.errors import ConfigError, MeshError, OutputError, SamplingError
 from tusqh.grid.slabs import cut
 from tusqh.pipeline.ingest import ingest
@@ -237,3 +239,24 @@ def test_a_grid_that_does_not_fit_is_refused_and_slabs_are_named(tmp_path, monke
     with pytest.raises(SamplingError, match=r"(?s)in 2 slabs needs about .* use more slabs"):
         tusqh.mesh(ring(), cells=60, slabs=2, output=tmp_path / "ring.vtu")
     assert not list(tmp_path.iterdir())
+
+
+def run(*arguments):
+    done = CliRunner().invoke(app, [str(argument) for argument in arguments])
+    return done.exit_code, done.output, done.exception
+
+
+def test_the_command_line_makes_and_checks_meshes_in_slabs(tmp_path):
+    source, results = "data_sources/solids/torus.stl", tmp_path / "results"
+    made = ("mesh", source, "--cells", 16, "--slabs", 2, "-o", tmp_path / "a.vtu")
+    code, text, _ = run(*made, "--results", results)
+    assert code == 0, text
+    assert "Betti numbers (1, 1, 0), as predicted" in text
+    assert run("check", results / "mesh.pvtu")[0] == 0
+    for extra, message in (
+        (("--materials",), "several materials with --slabs"),
+        (("--picture", tmp_path / "a.png"), "--picture with --slabs"),
+    ):
+        assert message in str(run(*made, *extra)[2])
+    refused = run("check", results / "mesh.pvtu", "--all-checks")[2]
+    assert "--all-checks of a mesh in pieces" in str(refused)
