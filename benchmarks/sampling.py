@@ -21,12 +21,13 @@ import pandas as pd
 
 from benchmarks.measure import measure
 from tusqh.figures import style
+from tusqh.geometry.kinds import Surface
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.packaged import locate
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BackgroundGrid, FloatArray
 from tusqh.readers.files import read_file
-from tusqh.sampling.field import Geometry, make_field
+from tusqh.sampling.field import make_field
 from tusqh.sampling.fractions import VolumeFractions, sample_fractions
 from tusqh.sampling.lattice import Lattice
 from tusqh.sampling.layout import lay_grid
@@ -100,25 +101,25 @@ def _soup(points: FloatArray, triangles: np.ndarray) -> Soup:
     return Soup(points, triangles, np.zeros(len(triangles), dtype=np.int64))
 
 
-MADE: dict[str, Callable[[], Geometry]] = {
+MADE: dict[str, Callable[[], Surface]] = {
     "bunny damaged": damaged_bunny,
     "bunny exploded": exploded_bunny,
     "loose sheets": loose_sheets,
 }
 
 
-def geometry_of(name: str) -> Geometry:
+def geometry_of(name: str) -> Surface:
     """Return the geometry of a case."""
     return MADE[name]() if name in MADE else read_file(locate(FILES[name])).geometry
 
 
-def prepare(name: str, n: int) -> tuple[Geometry, BackgroundGrid]:
+def prepare(name: str, n: int) -> tuple[Surface, BackgroundGrid]:
     """Return a geometry and its grid."""
     geometry = geometry_of(name)
     return geometry, lay_grid(geometry, None, cells=n)
 
 
-def sample(case: tuple[Geometry, BackgroundGrid]) -> VolumeFractions:
+def sample(case: tuple[Surface, BackgroundGrid]) -> VolumeFractions:
     """Sample the fractions of all dimensions."""
     return sample_fractions(*case, sampling=Sampling(samples=SAMPLES))
 
@@ -181,7 +182,7 @@ def _print(row: dict) -> dict:
     return row
 
 
-def _rate_of_libigl(geometry: Geometry, grid: BackgroundGrid) -> float:
+def _rate_of_libigl(geometry: Surface, grid: BackgroundGrid) -> float:
     """Return the median of three rates in samples per second, without building the tree."""
     rng = np.random.default_rng(0)
     queries = grid.to_points(rng.random((SUBSET[grid.dim], grid.dim)) * np.array(grid.shape))
@@ -199,7 +200,7 @@ def _rate_of_libigl(geometry: Geometry, grid: BackgroundGrid) -> float:
     return len(queries) / statistics.median(net)
 
 
-def _largest_error(geometry: Geometry, grid: BackgroundGrid) -> float:
+def _largest_error(geometry: Surface, grid: BackgroundGrid) -> float:
     """Return the largest error over random cells, half of them on the boundary."""
     lattice = Lattice.over_grid(grid, SAMPLES)
     sums = make_field(geometry).sums(lattice, 0, int(lattice.n_blocks[0]))

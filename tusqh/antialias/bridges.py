@@ -29,8 +29,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import dijkstra
 
 from tusqh.antialias.components import label_kept
 from tusqh.antialias.pinches import find_pinches
@@ -282,6 +280,9 @@ def _shortest_path(
     component_at_vertex: IntArray, ends: IntArray, may_join: Callable[[int, int], bool]
 ) -> IntArray | None:
     """Return the flat vertices of a shortest wanted path along edges, or None."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import dijkstra
+
     nodes, compact = np.unique(ends, return_inverse=True)
     compact = compact.reshape(-1, 2)
     component = component_at_vertex[nodes]

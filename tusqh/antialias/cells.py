@@ -7,8 +7,6 @@ from functools import cached_property
 
 import numpy as np
 import pandas as pd
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from tusqh.antialias.bridges import ACCEPTED, Bridge, join_components, lay_bridges
 from tusqh.antialias.components import (
@@ -29,6 +27,7 @@ from tusqh.contacts.predict import predict_betti
 from tusqh.contacts.spatial import decide_sticks
 from tusqh.errors import TopologyError
 from tusqh.grid import BoolArray, FloatArray, IntArray, doubled
+from tusqh.grid.components import label_components
 from tusqh.sampling.doubled_grid import RESOLUTION
 from tusqh.sampling.fractions import VolumeFractions
 from tusqh.settings.policy import BridgeMode, Policy
@@ -336,6 +335,5 @@ def label_with_bridges(labels: Labels, contacts: Contacts, bridges: list[Bridge]
         return component
     pairs = component.ravel()[np.stack([bridge.cells for bridge in bridges])]
     size = int(component.max()) + 1
-    graph = coo_array((np.ones(len(pairs)), tuple(pairs.T)), shape=(size, size))
-    _, joined = connected_components(graph, directed=False)
-    return np.asarray(joined[component], dtype=np.int64)  # Label 0 stays separate and first.
+    joined, _ = label_components(*pairs.T, size)
+    return joined[component]  # Label 0 stays separate and first.

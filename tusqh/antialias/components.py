@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from scipy import ndimage
 
 from tusqh.contacts.decided import Contacts, Labels
 from tusqh.contacts.one_material import MATERIAL
@@ -149,6 +148,8 @@ def _count_interior_sub_cells(
     labels: IntArray, fractions: VolumeFractions, threshold: float
 ) -> IntArray:
     """Count, for every feature, the sub-cells of its cells with ``F >= threshold``."""
+    from scipy import ndimage
+
     n = int(labels.max(initial=0)) + 1
     if n == 1:
         return np.zeros(1, dtype=np.int64)

@@ -12,13 +12,12 @@ from __future__ import annotations
 import numba
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from tusqh.contacts.decided import Contacts, Labels
 from tusqh.contacts.octants import octants
 from tusqh.contacts.planar import find_diagonals
 from tusqh.grid import BoolArray, IntArray
+from tusqh.grid.components import label_components
 from tusqh.topology.betti_numbers import BettiNumbers
 
 
@@ -183,9 +182,7 @@ def _count_without(pairs: IntArray, is_left_out: BoolArray) -> int:
     """Return the number of components of a graph without some of its nodes."""
     kept = pairs[~is_left_out[pairs].any(axis=1)]
     n = len(is_left_out)
-    graph = coo_array((np.ones(len(kept), dtype=bool), tuple(kept.T)), shape=(n, n))
-    n_all = int(connected_components(graph, directed=False, return_labels=False))
-    return n_all - int(is_left_out.sum())
+    return label_components(*kept.T, n)[1] - int(is_left_out.sum())
 
 
 @numba.njit(cache=True)

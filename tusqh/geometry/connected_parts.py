@@ -10,12 +10,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from tusqh.geometry.boundary_chain import match_points
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.grid.components import label_components
 
 #: If there are more open patches than this, all of them form one part.
 _MOST_OPEN_PATCHES = 3000
@@ -82,7 +81,7 @@ def find_parts(soup: Soup) -> ConnectedParts:
     area = np.linalg.norm(
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
     )
-    patch = _components(links[0], links[1], len(chosen))
+    patch, _ = label_components(*links, len(chosen))
     reversed_, is_twisted = _reversed_triangles(links, disagrees, patch, area / 2)
     is_open = _open_patches(patch, edge, is_forward ^ np.repeat(reversed_, 3))
     part = _join_open(patch, is_open, corners)[patch]
@@ -162,12 +161,6 @@ def _neighbours(edge: IntArray, part_of_file: IntArray) -> tuple[IntArray, IntAr
     return order[pairs], order[pairs + 1]
 
 
-def _components(first: IntArray, second: IntArray, n: int) -> IntArray:
-    """Return the component of every node of a graph."""
-    graph = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(n, n))
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
-
-
 def _reversed_triangles(
     links: tuple[IntArray, IntArray], disagrees: BoolArray, patch: IntArray, area: FloatArray
 ) -> tuple[BoolArray, BoolArray]:
@@ -182,7 +175,7 @@ def _reversed_triangles(
     a, b = links
     other = np.where(disagrees, b + n, b)
     opposite = np.where(disagrees, b, b + n)
-    side = _components(np.r_[a, a + n], np.r_[other, opposite], 2 * n)
+    side, _ = label_components(np.r_[a, a + n], np.r_[other, opposite], 2 * n)
     front, back = side[:n], side[n:]
     is_twisted = np.bincount(patch, weights=front == back, minlength=n_patches) > 0
     is_second = front > back
@@ -224,4 +217,4 @@ def _join_open(patch: IntArray, is_open: BoolArray, corners: FloatArray) -> IntA
         meets &= meets.T
         rows, columns = np.nonzero(np.triu(meets, 1))
         first, second = opened[rows], opened[columns]
-    return _components(first, second, len(is_open))
+    return label_components(first, second, len(is_open))[0]

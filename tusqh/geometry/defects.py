@@ -8,8 +8,6 @@ from tusqh.geometry.defect import tabulate_defects
 from tusqh.geometry.image import Image
 from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.outline import Outline
-from tusqh.geometry.outline_defects import OUTLINE_DEFECTS
-from tusqh.geometry.outline_facts import OutlineFacts
 from tusqh.geometry.soup_defects import SOUP_DEFECTS
 from tusqh.geometry.soup_facts import SoupFacts
 from tusqh.geometry.voxel_counts import VOXEL_COUNTS, VoxelFacts
@@ -49,5 +47,8 @@ def describe_defects(geometry: Geometry) -> pd.DataFrame:
     if isinstance(geometry, Image):
         return tabulate_defects(VOXEL_COUNTS, VoxelFacts(geometry), unit=geometry.unit)
     if isinstance(geometry, Outline):
+        from tusqh.geometry.outline_defects import OUTLINE_DEFECTS
+        from tusqh.geometry.outline_facts import OutlineFacts
+
         return tabulate_defects(OUTLINE_DEFECTS, OutlineFacts(geometry), unit=geometry.unit)
     return tabulate_defects(SOUP_DEFECTS, SoupFacts(geometry), unit=geometry.unit)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from tusqh.geometry.borders import Slivers, measure_slivers
 from tusqh.geometry.outline import Outline
@@ -88,6 +87,8 @@ class OutlineFacts:
     @cached_property
     def end_gaps(self) -> FloatArray:
         """Distance from each open end to the nearest other open end, shape (n,) or (0,)."""
+        from scipy.spatial import cKDTree
+
         ends = self.points[np.flatnonzero(self.boundary)]
         if len(ends) < 2:
             return np.empty(0)

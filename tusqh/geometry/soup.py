@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -102,8 +104,17 @@ class Soup:
         low, high : tuple of float
             Coordinates of the corners.
         """
+        return self._box
+
+    @cached_property
+    def _box(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         used = self.points[np.unique(self.triangles)]
         return tuple(used.min(axis=0).tolist()), tuple(used.max(axis=0).tolist())
+
+    @cached_property
+    def remembered(self) -> dict[str, Any]:
+        """What other modules have found out about this soup, by a name that they choose."""
+        return {}
 
     def matched(self) -> tuple[FloatArray, IntArray]:
         """Return points and triangles after merging points with equal coordinates.

@@ -5,11 +5,10 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.grid.components import label_components
 
 #: A triangle is degenerate if its height is at most this fraction of its longest side.
 FLAT_HEIGHT = 1e-12
@@ -90,8 +89,7 @@ class SoupFacts:
         m, n_edges = len(self.triangles), len(self.n_faces)
         rows = np.repeat(np.arange(m), 3)
         columns = m + self.side_to_edge.ravel()
-        graph = coo_array((np.ones(3 * m), (rows, columns)), shape=(m + n_edges,) * 2)
-        return int(connected_components(graph, directed=False, return_labels=False))
+        return label_components(rows, columns, m + n_edges)[1]
 
     @cached_property
     def n_non_manifold_vertices(self) -> int:
@@ -108,8 +106,7 @@ class SoupFacts:
                 links.append(np.stack([corner[:, own], 3 * m + end], axis=1))
         pairs = np.concatenate(links)
         size = 3 * m + 2 * len(self.n_faces)
-        graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(size, size))
-        n_fans, fan = connected_components(graph, directed=False)
+        fan, n_fans = label_components(*pairs.T, size)
         point_of_fan = np.full(n_fans, -1, dtype=np.int64)
         point_of_fan[fan[: 3 * m]] = triangles.ravel()
         fans_of_point = np.bincount(point_of_fan[point_of_fan >= 0])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from scipy import ndimage
 
 from tusqh.grid import BoolArray, IntArray
 from tusqh.sampling.fractions import VolumeFractions
@@ -43,6 +42,8 @@ def tabulate_changes(
     >>> tabulate_changes(kept, base, fractions)[["change", "cells", "x", "y"]].values.tolist()
     [['added', 2, 0.5, 2.5], ['left out', 1, 0.5, 1.5]]
     """
+    from scipy import ndimage
+
     grid = fractions.grid
     touching = np.ones((3,) * grid.dim)
     rows = []

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from scipy import ndimage
 
 from tusqh.antialias.components import COMPONENT, HOLE, VOID
 from tusqh.grid import BackgroundGrid, BoolArray, FloatArray, IntArray, doubled
@@ -119,6 +118,8 @@ def refine(multiples: Multiples) -> Multiples:
 
 def _squared_depth(chosen: BoolArray, *, border: bool) -> IntArray:
     """Return the squared distance to the cells that are not chosen, in cells."""
+    from scipy import ndimage
+
     padded = np.pad(chosen, 1, constant_values=border)
     if padded.all():
         return np.ones(chosen.shape, dtype=np.int64)

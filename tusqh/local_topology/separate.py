@@ -10,8 +10,6 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 
 from tusqh.grid import BoolArray, IntArray
 from tusqh.local_topology.workspace import Workspace
@@ -36,6 +34,9 @@ def separate(
     is_fixed
         Cells that must not be cut.
     """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import breadth_first_order, maximum_flow
+
     cells = np.flatnonzero(kept)
     first, second = _find_links(space, kept)
     crosses = (inside[first] & outside[second]) | (outside[first] & inside[second])

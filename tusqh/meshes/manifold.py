@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from tusqh.grid import IntArray
+from tusqh.grid.components import label_components
 from tusqh.meshes.facets import ClosedSurface, Facets
 
 
@@ -36,8 +35,7 @@ def find_non_manifold_points(facets: ClosedSurface) -> IntArray:
     edges = facets.boundary_edges
     is_bad = edges.n_cells_of[edges.unique] != 2
     links = _link_wedges(edges, np.flatnonzero(~is_bad))
-    graph = coo_array((np.ones(len(links)), tuple(links.T)), shape=(boundary.size,) * 2)
-    n_fans, fan = connected_components(graph, directed=False)
+    fan, n_fans = label_components(*links.T, boundary.size)
     point_of_fan = np.empty(n_fans, dtype=np.int64)
     point_of_fan[fan] = boundary.ravel()
     several = np.flatnonzero(np.bincount(point_of_fan) > 1)

@@ -11,8 +11,6 @@ import pandas as pd
 from tusqh.geometry.defect import Defect, tabulate_defects
 from tusqh.geometry.image import Image
 from tusqh.geometry.outline import Outline
-from tusqh.geometry.outline_defects import OUTLINE_DEFECTS
-from tusqh.geometry.outline_facts import OutlineFacts
 from tusqh.geometry.soup_defects import SOUP_DEFECTS
 from tusqh.geometry.soup_facts import SoupFacts
 from tusqh.readers.reading import Reading
@@ -54,6 +52,9 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
     if isinstance(geometry, Image):
         kind, counts = "image", dict(zip(_COUNTS["image"][0], geometry.shape, strict=True))
     elif isinstance(geometry, Outline):
+        from tusqh.geometry.outline_defects import OUTLINE_DEFECTS
+        from tusqh.geometry.outline_facts import OutlineFacts
+
         of_outline = OutlineFacts(geometry)
         kind, table = "outline", tabulate_defects(_chosen(OUTLINE_DEFECTS), of_outline)
         counts = _with_points(table, len(of_outline.points))

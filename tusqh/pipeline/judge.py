@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import pandas as pd
 
@@ -13,12 +13,14 @@ from tusqh.extras import MissingExtraError
 from tusqh.meshes.checks import Check
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.build import Built
-from tusqh.pipeline.fit import Fit
 from tusqh.quality.elements import element_metrics, summarise_metrics
 from tusqh.quality.fit_checks import FITTED
 from tusqh.quality.verdict import judge_alone, judge_mesh, overall, to_table
 from tusqh.settings.quality import MOST_ELEMENTS, Quality
 from tusqh.topology.betti_numbers import BettiNumbers
+
+if TYPE_CHECKING:
+    from tusqh.pipeline.fit import Fit
 
 
 @dataclass(frozen=True)

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from tusqh.errors import ConfigError
 from tusqh.geometry.image import Image
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.remark import Remark
-from tusqh.geometry.small_pieces import remarks_on_small_polygons
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.build import Built, build, require_volume
 from tusqh.pipeline.coarsen import Coarsened
 from tusqh.pipeline.coarsen import coarsen as coarsen_built
 from tusqh.pipeline.describe_reading import describe_reading
-from tusqh.pipeline.fit import Fit
-from tusqh.pipeline.fit import fit as fit_built
 from tusqh.pipeline.judge import judge_built
 from tusqh.pipeline.materials.mesh import has_several_materials, mesh_several
 from tusqh.pipeline.materials.result import MaterialsResult
@@ -38,6 +35,9 @@ from tusqh.settings.materials import Materials
 from tusqh.settings.model import Settings
 from tusqh.settings.policy import BridgeMode
 from tusqh.settings.sampling import Domain, Inside, Orientation, Rule, Sampler
+
+if TYPE_CHECKING:
+    from tusqh.pipeline.fit import Fit
 
 __all__ = ["mesh"]
 
@@ -316,6 +316,8 @@ def _fit(built: Built, original: Original, settings: Settings, progress: Progres
     """Return the fitted mesh if the settings ask for it."""
     if not settings.fitting.fit:
         return None
+    from tusqh.pipeline.fit import fit as fit_built
+
     progress("fit")
     return fit_built(built.mesh, built.selection, built.fractions, original, built.facts)
 
@@ -336,6 +338,8 @@ def _remarks(reading: Reading, settings: Settings, built: Built) -> tuple[Remark
     if not isinstance(geometry, Image):
         remarks += orient(geometry, settings.sampling.orientation).remarks
     if isinstance(geometry, Outline):
+        from tusqh.geometry.small_pieces import remarks_on_small_polygons
+
         is_outside = settings.sampling.domain == "outside"
         cells = built.resolved.cells
         remarks += remarks_on_small_polygons(

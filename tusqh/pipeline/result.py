@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
@@ -24,7 +24,6 @@ from tusqh.pipeline.build import Built
 from tusqh.pipeline.coarsen import WRITTEN as OF_COARSE
 from tusqh.pipeline.coarsen import Coarsened
 from tusqh.pipeline.exports import export_of
-from tusqh.pipeline.fit import WRITTEN, Fit
 from tusqh.pipeline.ingest import describe_geometry
 from tusqh.pipeline.judge import Judgement
 from tusqh.pipeline.persistence import Persistence
@@ -35,6 +34,9 @@ from tusqh.sampling.io import save_fractions
 from tusqh.settings.model import Settings
 from tusqh.tables import write_csv
 from tusqh.threshold.selection import Selection
+
+if TYPE_CHECKING:
+    from tusqh.pipeline.fit import Fit
 
 __all__ = ["Result"]
 
@@ -249,6 +251,8 @@ class Result:
         written = ("fractions", "mesh", "certificate", "features", "bridges", "changes", "facts")
         self.built.write(**{name: path_of(name, folder) for name in written})
         if self.fit is not None:
+            from tusqh.pipeline.fit import WRITTEN
+
             of_fit = {name: path_of(name, folder) for name in WRITTEN}
             self.fit.write(mesh=path_of("mesh", folder), **of_fit)
         if self.coarsened is not None:

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from typing import Protocol
 
-import numpy as np
-from scipy import ndimage
-
 from tusqh.antialias.cells import CellSet
 from tusqh.antialias.resolve import Resolved
 from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.soup import Soup
 from tusqh.geometry.soup_facts import SoupFacts
 from tusqh.grid import BackgroundGrid
+from tusqh.grid.components import count_touching_cells
 from tusqh.local_topology.move import LocalCells
 from tusqh.meshes.checks import Check
 from tusqh.quality.thickness import measure_thickness
@@ -165,11 +163,9 @@ def _thin_walls(reference: Reference, geometry: Geometry, size: float) -> list[C
 
 def _small_components(cells: CellSet, fractions: Compared) -> list[Check]:
     """Return a warning if components of the kept cells are small."""
-    dim = fractions.grid.dim
     # Cells that touch at a vertex count as joined, as if a pinch connected them.
-    labels, n = ndimage.label(cells.kept, np.ones((3,) * dim))
-    n_cells = np.bincount(labels.ravel(), minlength=n + 1)[1:]
-    few = _SMALL**dim
+    n_cells = count_touching_cells(cells.kept)
+    n, few = len(n_cells), _SMALL**fractions.grid.dim
     n_small = int((n_cells <= few).sum())
     if n_small == 0:
         return []

@@ -20,9 +20,6 @@ from dataclasses import dataclass
 
 import numba
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from tusqh.geometry.boundary_chain import (
     boundary_edges,
@@ -33,6 +30,7 @@ from tusqh.geometry.boundary_chain import (
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.grid.components import label_components
 
 #: Displacement of added points, as a fraction of the loop's size; the components have irrational
 #: ratios.
@@ -134,6 +132,8 @@ def _join_ends(flat: FloatArray, ends: IntArray, net: IntArray) -> tuple[FloatAr
     Both ends of a pair are joined to a point midway, slightly off the line between them, so that no
     sample lies on the new segments.
     """
+    from scipy.spatial import cKDTree
+
     places = flat[ends]
     left = net.copy()
     spokes, multiplicity = [], []
@@ -175,8 +175,7 @@ def _own_caps(triangles: IntArray, edges: IntArray, net: IntArray, n_points: int
     keys = edges @ np.array([n_points, 1])
     n_edges = int(of_side.max()) + 1
     rows = np.repeat(np.arange(m), 3)
-    graph = coo_array((np.ones(3 * m), (rows, m + of_side)), shape=(m + n_edges,) * 2)
-    n_sheets, sheet = connected_components(graph, directed=False)
+    sheet, n_sheets = label_components(rows, m + of_side, m + n_edges)
     n_triangles = np.bincount(sheet[:m], minlength=n_sheets)
     edge_keys = np.unique(sides @ np.array([n_points, 1]))
     sheet_of_edge = sheet[m:][np.searchsorted(edge_keys, keys)]
@@ -188,6 +187,8 @@ def _zip_cracks(points: FloatArray, edges: IntArray, net: IntArray) -> Chain | N
     """Return a cap that contracts near boundary points in pairs, or None if there are no pairs."""
     if len(edges) == 0:
         return None
+    from scipy.spatial import cKDTree
+
     used, ends = np.unique(edges, return_inverse=True)
     ends = ends.reshape(-1, 2)
     places = points[used]

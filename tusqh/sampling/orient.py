@@ -54,6 +54,15 @@ def orient(geometry: Surface, orientation: Orientation) -> Oriented:
     """
     if not isinstance(geometry, Soup):
         return Oriented(geometry)
+    key = f"orient {orientation}"
+    if key not in geometry.remembered:
+        geometry.remembered[key] = _orient_soup(geometry, orientation)
+    found: Oriented = geometry.remembered[key]
+    return found
+
+
+def _orient_soup(geometry: Soup, orientation: Orientation) -> Oriented:
+    """Return a soup whose parts point outwards, and remarks on what was turned."""
     with np.errstate(over="ignore", invalid="ignore"):  # Sampling explains extreme coordinates.
         parts = find_parts(geometry)
     if len(parts.volumes) == 0:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from scipy.sparse.csgraph import connected_components
+import numpy as np
 
+from tusqh.extras import require
+from tusqh.grid.components import label_components
 from tusqh.meshes.volume_mesh import VolumeMesh
-from tusqh.simulate.operators import assemble
+from tusqh.simulate.operators import assemble_form, to_arrays
 
 
 def count_matrix_components(mesh: VolumeMesh) -> int:
@@ -25,6 +27,12 @@ def count_matrix_components(mesh: VolumeMesh) -> int:
     SimulationError
         The mesh is rejected.
     """
-    stiffness = assemble(mesh).stiffness
-    stiffness.eliminate_zeros()
-    return int(connected_components(stiffness, directed=False, return_labels=False))
+    mfem = require("mfem.ser", extra="simulate")
+
+    native = mesh.to_mfem()
+    space = mfem.FiniteElementSpace(native, mfem.H1_FECollection(1, mesh.dim))
+    form = assemble_form(space, mfem.DiffusionIntegrator())
+    entries, columns, starts = to_arrays(form.SpMat())
+    rows = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
+    is_linked = entries != 0
+    return label_components(rows[is_linked], columns[is_linked], len(starts) - 1)[1]

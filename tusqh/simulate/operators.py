@@ -91,13 +91,9 @@ def assemble(
     for _ in range(refinements):
         native.UniformRefinement()
     space = mfem.FiniteElementSpace(native, mfem.H1_FECollection(order, mesh.dim))
-    mass, stiffness = mfem.BilinearForm(space), mfem.BilinearForm(space)
-    mass.AddDomainIntegrator(mfem.MassIntegrator())
+    mass = assemble_form(space, mfem.MassIntegrator())
     factor = mfem.PWConstCoefficient(mfem.Vector(factors.tolist()))
-    stiffness.AddDomainIntegrator(mfem.DiffusionIntegrator(factor))
-    for form in (mass, stiffness):
-        form.Assemble()
-        form.Finalize()
+    stiffness = assemble_form(space, mfem.DiffusionIntegrator(factor))
     points = np.array(native.GetVertexArray(), dtype=np.float64).reshape(native.GetNV(), -1)
     cells = mesh.cells
     if refinements:
@@ -121,6 +117,42 @@ def _n_elements(mesh: VolumeMesh | CoarseMesh) -> int:
     return (mesh.mesh if isinstance(mesh, CoarseMesh) else mesh).n_cells
 
 
+def assemble_form(space: Any, integrator: Any) -> Any:
+    """Return MFEM's bilinear form of an integrator; its matrix lives as long as the form.
+
+    Parameters
+    ----------
+    space
+        An `mfem.FiniteElementSpace`.
+    integrator
+        An MFEM integrator over the elements.
+    """
+    form = require("mfem.ser", extra="simulate").BilinearForm(space)
+    form.AddDomainIntegrator(integrator)
+    form.Assemble()
+    form.Finalize()
+    return form
+
+
+def to_arrays(matrix: Any) -> tuple[FloatArray, IntArray, IntArray]:
+    """Return the arrays of an MFEM sparse matrix, which live longer than the matrix.
+
+    Parameters
+    ----------
+    matrix
+        An `mfem.SparseMatrix`.
+
+    Returns
+    -------
+    entries, columns, starts
+        Value and column of every entry, row by row, shape (k,); the first entry of every row, and
+        the number of entries at the end, shape (n + 1,).
+    """
+    arrays = (matrix.GetDataArray(), matrix.GetJArray(), matrix.GetIArray())
+    entries, columns, starts = (np.array(a) for a in arrays)
+    return entries, columns, starts
+
+
 def _nodes(native: Any, order: int, dim: int) -> FloatArray:
     """Return the positions of the degrees of freedom of elements of higher order."""
     mfem = require("mfem.ser", extra="simulate")
@@ -137,5 +169,4 @@ def _to_sparse(matrix: Any) -> Any:
     """Return an MFEM sparse matrix as a `scipy.sparse.csr_matrix` that owns its memory."""
     from scipy.sparse import csr_matrix
 
-    arrays = (matrix.GetDataArray(), matrix.GetJArray(), matrix.GetIArray())
-    return csr_matrix(tuple(np.array(a) for a in arrays), shape=(matrix.Height(), matrix.Width()))
+    return csr_matrix(to_arrays(matrix), shape=(matrix.Height(), matrix.Width()))
