@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, cast
 
 import pandas as pd
 
 from studies.methods.digital_topology import closed_betti, open_betti
 from studies.placements import lay_grids, random_placements
 from tusqh.antialias.cells import CellSets
+from tusqh.geometry.canonical import load_geometry
 from tusqh.geometry.kinds import Surface
+from tusqh.progress import log_progress
+from tusqh.settings.grid import Window
 from tusqh.settings.policy import Policy
+from tusqh.settings.sampling import Sampling
+from tusqh.threshold.selection import load_selection
 from tusqh.topology.betti_numbers import BettiNumbers
 
 BETTI = ["betti_0", "betti_1", "betti_2"]
@@ -36,6 +42,7 @@ def vary_placement(
     *,
     count: int = 50,
     seed: int = 0,
+    part: tuple[int, int] = (0, 1),
     progress: Callable[[int, int], None] | None = None,
     **how: Any,
 ) -> pd.DataFrame:
@@ -53,6 +60,9 @@ def vary_placement(
         Numbers of cells along the longest side, see `studies.placements.lay_grids`.
     count, seed
         Number of placements, and the seed of their random numbers.
+    part
+        Which of how many parts of the placements are examined; the tables of all parts, one below
+        the other, are that of one part.
     progress
         Called with (placements done, all placements).
     **how
@@ -65,8 +75,9 @@ def vary_placement(
         `betti_1`, `betti_2` of the mesh.
     """
     placements = random_placements(len(geometry.bounding_box()[0]), count, seed=seed)
+    begin, end = (count * k // part[1] for k in (part[0], part[0] + 1))
     rows: list[tuple[Any, ...]] = []
-    for number, placement in enumerate(placements):
+    for number, placement in enumerate(placements[begin:end], start=begin):
         for size, fractions in lay_grids(geometry, placement, sizes, **how):
             plain = CellSets(fractions, Policy(bridges=policy.bridges))
             configured = CellSets(fractions, policy)
@@ -74,8 +85,48 @@ def vary_placement(
                 found = _predict(plain, configured, threshold)
                 rows += [(number, size, threshold, s, *found[s]) for s in SCHEMES]
         if progress is not None:
-            progress(number + 1, count)
+            progress(number + 1 - begin, end - begin)
     return pd.DataFrame(rows, columns=["placement", "cells", "threshold", "scheme", *BETTI])
+
+
+def vary_model(
+    geometry: Path,
+    selection: Path,
+    sizes: Sequence[int],
+    *,
+    count: int,
+    part: tuple[int, int] = (0, 1),
+    window: Mapping[str, Any] | None = None,
+    sampling: Mapping[str, Any] | None = None,
+) -> pd.DataFrame:
+    """Return the table of `vary_placement` for a model of the workflow.
+
+    Parameters
+    ----------
+    geometry, selection
+        Files of the model; its threshold is examined beside `STUDY_THRESHOLDS`.
+    sizes, count, part
+        See `vary_placement`.
+    window, sampling
+        Settings of the model, as plain values.
+
+    Returns
+    -------
+    table
+        See `vary_placement`.
+    """
+    chosen = load_selection(selection)
+    return vary_placement(
+        cast(Surface, load_geometry(geometry)),
+        chosen.policy,
+        sorted({*STUDY_THRESHOLDS, chosen.threshold}),
+        sizes,
+        count=count,
+        part=part,
+        progress=log_progress("placements"),
+        window=window and Window.from_dict(window).box,
+        sampling=Sampling.from_dict(sampling or {}),
+    )
 
 
 def _predict(plain: CellSets, configured: CellSets, threshold: float) -> dict[str, BettiNumbers]:

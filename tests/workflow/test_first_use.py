@@ -91,6 +91,23 @@ def test_models_can_be_made_without_the_studies_and_come_first(repository, elsew
     assert "priority" not in jobs["pinch_catalogue"]
 
 
+def test_thresholds_and_placements_can_be_jobs_of_their_own(repository, elsewhere):
+    (elsewhere / "settings.yaml").write_text(GAP + "study: {placements: 4, cells_2d: [8]}\n")
+    options = ("-s", str(repository / "Snakefile"), "--configfile", "settings.yaml")
+    wanted = [f"results/gap/{name}.csv" for name in ("verification", "placements", "stability")]
+    tables = []
+    for split, n_sweeps, n_parts in ((1, 0, 0), (3, 7, 3)):
+        code, said = snakemake(
+            elsewhere, *options, "--config", f"split={split}", "-F", "--", *wanted
+        )
+        assert code == 0, said
+        rules = re.findall(r"^(?:local)?rule (\w+):", said, re.MULTILINE)
+        assert rules.count("sweep_one") == n_sweeps
+        assert rules.count("placements_part") == n_parts
+        tables.append([(elsewhere / path).read_bytes() for path in wanted])
+    assert tables[0] == tables[1]
+
+
 def test_every_step_has_a_record_a_log_and_the_fingerprint_of_its_code(repository, monkeypatch):
     monkeypatch.chdir(repository)
     monkeypatch.syspath_prepend(str(repository / "docs"))

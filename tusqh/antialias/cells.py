@@ -335,5 +335,5 @@ def label_with_bridges(labels: Labels, contacts: Contacts, bridges: list[Bridge]
         return component
     pairs = component.ravel()[np.stack([bridge.cells for bridge in bridges])]
     size = int(component.max()) + 1
-    joined, _ = label_components(*pairs.T, size)
+    joined, _ = label_components(pairs[:, 0], pairs[:, 1], size)
     return joined[component]  # Label 0 stays separate and first.

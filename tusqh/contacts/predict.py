@@ -182,7 +182,7 @@ def _count_without(pairs: IntArray, is_left_out: BoolArray) -> int:
     """Return the number of components of a graph without some of its nodes."""
     kept = pairs[~is_left_out[pairs].any(axis=1)]
     n = len(is_left_out)
-    return label_components(*kept.T, n)[1] - int(is_left_out.sum())
+    return label_components(kept[:, 0], kept[:, 1], n)[1] - int(is_left_out.sum())
 
 
 @numba.njit(cache=True)

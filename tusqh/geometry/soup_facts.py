@@ -106,7 +106,7 @@ class SoupFacts:
                 links.append(np.stack([corner[:, own], 3 * m + end], axis=1))
         pairs = np.concatenate(links)
         size = 3 * m + 2 * len(self.n_faces)
-        fan, n_fans = label_components(*pairs.T, size)
+        fan, n_fans = label_components(pairs[:, 0], pairs[:, 1], size)
         point_of_fan = np.full(n_fans, -1, dtype=np.int64)
         point_of_fan[fan[: 3 * m]] = triangles.ravel()
         fans_of_point = np.bincount(point_of_fan[point_of_fan >= 0])

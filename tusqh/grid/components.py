@@ -34,7 +34,8 @@ def label_components(
     ([0, 1, 2, 0, 1], 3)
     """
     labels = np.arange(n, dtype=np.int64)
-    _join_pairs(*(np.ascontiguousarray(end, dtype=np.int64) for end in (first, second)), labels)
+    one, other = (np.ascontiguousarray(ends, dtype=np.int64) for ends in (first, second))
+    _join_pairs(one, other, labels)
     return labels, int(_number(labels))
 
 

@@ -35,7 +35,7 @@ def find_non_manifold_points(facets: ClosedSurface) -> IntArray:
     edges = facets.boundary_edges
     is_bad = edges.n_cells_of[edges.unique] != 2
     links = _link_wedges(edges, np.flatnonzero(~is_bad))
-    fan, n_fans = label_components(*links.T, boundary.size)
+    fan, n_fans = label_components(links[:, 0], links[:, 1], boundary.size)
     point_of_fan = np.empty(n_fans, dtype=np.int64)
     point_of_fan[fan] = boundary.ravel()
     several = np.flatnonzero(np.bincount(point_of_fan) > 1)

@@ -239,3 +239,9 @@ class Workflow(Section):
         is_distinct=True,
     )
     study: Study = setting("How much the studies of the models do.", default=Study)
+    split: int = setting(
+        "Jobs among which the placements of a model are divided. With more than one, each "
+        "threshold of a sweep is a job of its own too, which suits a cluster.",
+        default=1,
+        at_least=1,
+    )

@@ -86,6 +86,9 @@ DIMENSION = {name: dimension_of(geometry) for name, geometry in GEOMETRY.items()
 SOLIDS = [name for name, dimension in DIMENSION.items() if dimension == 3]
 SWEEP = {2: list(SETTINGS.sweep), 3: list(SETTINGS.sweep_3d)}
 STUDY = SETTINGS.study.to_dict()
+# Whether thresholds and placements are jobs of their own, and the parts of the placements.
+IS_SPLIT = SETTINGS.split > 1
+PARTS = range(min(SETTINGS.split, STUDY["placements"]))
 COMPARED = SOLIDS if SETTINGS.study.peers is None else list(SETTINGS.study.peers)
 if not set(COMPARED) <= set(SOLIDS):
     raise WorkflowError(f"study.peers: found {', '.join(COMPARED)}, expected 3D models: {', '.join(SOLIDS)}")
@@ -94,6 +97,7 @@ SNAPSHOTS = sorted(SETTINGS.snapshots)
 wildcard_constraints:
     model="|".join(MODELS) or "(?!)",
     peer="|".join(PEERS),
+    part=r"\d+",
 
 
 def files(*names):
@@ -148,6 +152,17 @@ def files_of_coarsened_models(*names):
 def sweep_meshes(dimension):
     """Return the meshes of the sweep, one for each threshold of this dimension."""
     return [f"results/{{model}}/sweep/{threshold}.vtu" for threshold in SWEEP[dimension]]
+
+
+def rows_of_sweep(wildcards):
+    """Return the tables of a model's sweep, one for each threshold, where these are separate jobs."""
+    sweep = SWEEP[DIMENSION[wildcards.model]]
+    return expand("results/{model}/sweep/{threshold}.csv", model=wildcards.model, threshold=sweep)
+
+
+def parts_of_placements(wildcards):
+    """Return the tables of a model's placements, one for each part; none where one job does all."""
+    return expand("results/{model}/placements/{part}.csv", model=wildcards.model, part=PARTS) if IS_SPLIT else []
 
 
 def snapshots():

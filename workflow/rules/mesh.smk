@@ -17,28 +17,52 @@ rule mesh:
 
 
 # Verify a model at many thresholds, which differ between outlines and solids.
-rule sweep_2d:
-    input:
-        **files("fractions", "selection"),
-    output:
-        meshes=sweep_meshes(2),
-        **files("verification"),
-    wildcard_constraints:
-        model=any_of(2),
-    params:
-        thresholds=SWEEP[2],
-    script:
-        "../scripts/sweep.py"
+if not IS_SPLIT:
 
+    rule sweep_2d:
+        input:
+            **files("fractions", "selection"),
+        output:
+            meshes=sweep_meshes(2),
+            **files("verification"),
+        wildcard_constraints:
+            model=any_of(2),
+        params:
+            thresholds=SWEEP[2],
+        script:
+            "../scripts/sweep.py"
 
-use rule sweep_2d as sweep_3d with:
-    output:
-        meshes=sweep_meshes(3),
-        **files("verification"),
-    wildcard_constraints:
-        model=any_of(3),
-    params:
-        thresholds=SWEEP[3],
+    use rule sweep_2d as sweep_3d with:
+        output:
+            meshes=sweep_meshes(3),
+            **files("verification"),
+        wildcard_constraints:
+            model=any_of(3),
+        params:
+            thresholds=SWEEP[3],
+
+else:
+
+    rule sweep_one:
+        input:
+            **files("fractions", "selection"),
+        output:
+            meshes=["results/{model}/sweep/{threshold}.vtu"],
+            verification="results/{model}/sweep/{threshold}.csv",
+        wildcard_constraints:
+            threshold="|".join(str(t) for t in sorted({*SWEEP[2], *SWEEP[3]})),
+        params:
+            thresholds=lambda wildcards: [float(wildcards.threshold)],
+        script:
+            "../scripts/sweep.py"
+
+    rule verification:
+        input:
+            rows=rows_of_sweep,
+        output:
+            **files("verification"),
+        script:
+            "../scripts/join_tables.py"
 
 
 # Move the boundary of a mesh onto the geometry; the staircase stays as mesh.vtu.

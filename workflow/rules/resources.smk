@@ -14,11 +14,11 @@ SMALLEST = 1500, 10
 MEMORY_OF_RULES = {"simulate": 9, "simulate_materials": 9, "materials": 7, "suitability": 18, "peer": 9}
 MEMORY_OF_OTHERS = 2.2
 MINUTES_OF_RULES = {
-    **dict.fromkeys(["sweep_2d", "sweep_3d", "figures_of_outline", "figures_of_solid"], 10),
+    **dict.fromkeys(["sweep_2d", "sweep_3d", "sweep_one", "figures_of_outline", "figures_of_solid"], 10),
     **dict.fromkeys(["simulate", "simulate_materials", "suitability", "materials", "peer"], 30),
 }
 # Minutes of steps over all models, of which the grids are fixed or small.
-MINUTES_ALONE = {"theorem_plane": 30, "theorem_space": 30, "gap_meshes": 30, "slow_tests": 240, "placements": 60}
+MINUTES_ALONE = {"theorem_plane": 30, "theorem_space": 30, "gap_meshes": 30, "slow_tests": 240, "placements": 60, "placements_part": 60}
 
 
 def cells_of(model, dimension):

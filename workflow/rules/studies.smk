@@ -69,10 +69,27 @@ rule scopes_of_all_models:
         "../scripts/scopes_of_all_models.py"
 
 
+rule placements_part:
+    input:
+        **files("geometry"),
+        selection=ONE_THRESHOLD,
+    output:
+        placements="results/{model}/placements/{part}.csv",
+    params:
+        placements=STUDY["placements"],
+        n_parts=len(PARTS),
+        cells=cells_of_study,
+        window=settings_of("window"),
+        sampling=settings_of("sampling"),
+    script:
+        "../scripts/placements_part.py"
+
+
 rule placements:
     input:
         **files("geometry"),
         selection=ONE_THRESHOLD,
+        parts=parts_of_placements,
     output:
         placements="results/{model}/placements.csv",
         spread="results/{model}/orientation.csv",

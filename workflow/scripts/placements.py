@@ -1,32 +1,29 @@
 from pathlib import Path
 
+import pandas as pd
+
 from provenance.record import recorded
-from studies.orientation import STUDY_THRESHOLDS, vary_placement
+from studies.orientation import vary_model
 from studies.spread import measure_spread
 from studies.stability import map_stability, recommend_grid
-from tusqh.geometry.canonical import load_geometry
-from tusqh.progress import log_progress
 from tusqh.settings.goal import Goal
-from tusqh.settings.grid import Window
-from tusqh.settings.sampling import Sampling
 from tusqh.tables import write_csv
-from tusqh.threshold.selection import load_selection
 
-with recorded(snakemake) as log:
-    selection = load_selection(Path(snakemake.input.selection))
+with recorded(snakemake):
     target = Goal.from_dict(snakemake.params.goal).target
-    window = snakemake.params.window
     name = snakemake.wildcards.model
-    table = vary_placement(
-        load_geometry(Path(snakemake.input.geometry)),
-        selection.policy,
-        sorted({*STUDY_THRESHOLDS, selection.threshold}),
-        snakemake.params.cells,
-        count=snakemake.params.placements,
-        progress=log_progress("placements"),
-        window=window and Window.from_dict(window).box,
-        sampling=Sampling.from_dict(snakemake.params.sampling),
-    )
+    if snakemake.input.parts:
+        parts = [pd.read_csv(p, float_precision="round_trip") for p in snakemake.input.parts]
+        table = pd.concat(parts, ignore_index=True)
+    else:
+        table = vary_model(
+            Path(snakemake.input.geometry),
+            Path(snakemake.input.selection),
+            snakemake.params.cells,
+            count=snakemake.params.placements,
+            window=snakemake.params.window,
+            sampling=snakemake.params.sampling,
+        )
     stability = map_stability(table, name=name, target=target)
     write_csv(Path(snakemake.output.placements), table)
     write_csv(Path(snakemake.output.spread), measure_spread(table, name=name, target=target))
