@@ -17,7 +17,7 @@ from importlib import import_module
 from pathlib import Path
 
 import numpy as np
-from samples import OPTIONS, write_samples
+from samples import LENGTHS, OPTIONS, write_samples
 
 from tusqh.errors import TusqhError
 from tusqh.geometry.image import Image
@@ -112,7 +112,7 @@ def stated_points(path):
 def read(path):
     """Read a file and return what happened."""
     try:
-        reading = read_file(path, image=OPTIONS.get(path.suffix))
+        reading = read_file(path, image=OPTIONS.get(path.suffix), lengths=LENGTHS.get(path.suffix))
         describe_reading(reading)
     except TusqhError as error:
         is_complete = all((error.found, error.where, error.expected, error.remedy))
@@ -158,7 +158,7 @@ def main(first, count, kept):
         samples = write_samples(folder)
         for path in samples:
             read_file(
-                path, image=OPTIONS.get(path.suffix)
+                path, image=OPTIONS.get(path.suffix), lengths=LENGTHS.get(path.suffix)
             )  # This loads every library, so that no child has to.
         for found in FORMATS:
             import_module(f"tusqh.readers.{found.module}")

@@ -11,13 +11,13 @@ import zipfile
 import numpy as np
 import pytest
 import tifffile
-from samples import OPTIONS, write_samples
+from samples import LENGTHS, OPTIONS, write_samples
 
 import tusqh.readers.gate as gate
 from tusqh.errors import GeometryError
 from tusqh.readers.content import recognise
 from tusqh.readers.files import read_file
-from tusqh.readers.formats import FORMATS, find_format, suffixes_of
+from tusqh.readers.formats import FORMATS, find_format, suffix_of, suffixes_of
 
 
 @pytest.fixture(scope="module")
@@ -34,15 +34,15 @@ def refused(path):
 
 
 def test_there_is_a_sample_of_every_format(samples):
-    assert {path.suffix for path in samples} == set(suffixes_of())
+    assert {suffix_of(path) for path in samples} == set(suffixes_of())
 
 
 def test_every_sample_is_read_and_its_content_agrees_with_its_name(samples):
     for path in samples:
-        reading = read_file(path, image=OPTIONS.get(path.suffix))
+        reading = read_file(path, image=OPTIONS.get(path.suffix), lengths=LENGTHS.get(path.suffix))
         assert reading.format == find_format(path.name).name
         content = recognise(path)
-        assert content is None or path.suffix in content.suffixes, path.name
+        assert content is None or suffix_of(path) in content.suffixes, path.name
 
 
 def test_every_format_under_the_suffix_of_another_is_refused_by_name(samples, tmp_path):

@@ -37,7 +37,7 @@ OTHERS = {
     "vtk_file",
     "vtk_legacy",
 }
-OTHERS |= {"boxes_to_cubes", "frames", "lengths", "places", "project"}
+OTHERS |= {"boxes_to_cubes", "simple_features", "frames", "lengths", "places", "project"}
 OTHERS |= {"loose", "paint", "polygons_of_maps", "rings"}
 OTHERS |= {"svg_frame", "svg_shapes", "svg_style", "svg_tree"}
 

@@ -7,6 +7,8 @@ import struct
 from pathlib import Path
 from typing import NamedTuple
 
+from tusqh.readers.formats import suffix_of
+
 #: Number of bytes at the start of a file that identify its format.
 _HEAD = 4096
 
@@ -34,7 +36,7 @@ _MAGIC = (
     (0, b"glTF", Content("a binary glTF file", (".glb", ".gltf"))),
     (0, b"# vtk DataFile", Content("a legacy VTK file", (".vtk",))),
     (0, b"\x93NUMPY", Content("a NumPy array", (".npy",))),
-    (0, b"NRRD000", Content("an NRRD file", (".nrrd",))),
+    (0, b"NRRD000", Content("an NRRD file", (".nrrd", ".nhdr"))),
     (0, b"II*\0", Content("a TIFF file", (".tif", ".tiff"))),
     (0, b"MM\0*", Content("a TIFF file", (".tif", ".tiff"))),
     (0, b"II+\0", Content("a TIFF file", (".tif", ".tiff"))),
@@ -42,8 +44,13 @@ _MAGIC = (
     (0, b"\0\0\x27\x0a", Content("a shapefile", (".shp",))),
     (0, b"AutoCAD Binary DXF", Content("a DXF file", (".dxf",))),
     (0, b"PK\x03\x04", Content("a ZIP archive")),
+    (0, b"PK\x03\x04", Content("a 3MF file", (".3mf",))),
     (0, b"PK\x05\x06", Content("an empty ZIP archive")),
     (0, b"\x1f\x8b", Content("a file compressed by gzip")),
+    (0, b"\x1f\x8b", Content("a NIfTI file", (".nii.gz",))),
+    (344, b"n+1\0", Content("a NIfTI file", (".nii", ".nii.gz"))),
+    (4, b"n+2\0", Content("a NIfTI file", (".nii", ".nii.gz"))),
+    (0, b"SQLite format 3\0", Content("a GeoPackage", (".gpkg",))),
     (0, b"BZh", Content("a file compressed by bzip2")),
     (0, b"\xfd7zXZ\0", Content("a file compressed by xz")),
     (0, b"7z\xbc\xaf\x27\x1c", Content("a 7z archive")),
@@ -54,13 +61,13 @@ _MAGIC = (
     (0, b"\xff\xd8\xff", Content("a JPEG picture")),
     (0, b"GIF8", Content("a GIF picture")),
     (0, b"\x89HDF", Content("an HDF5 file")),
-    (0, b"ISO-10303-21", Content("a STEP file")),
+    (0, b"ISO-10303-21", Content("a STEP file", (".step", ".stp"))),
     (0, b"Kaydara FBX", Content("an FBX file")),
     (0, b"BLENDER", Content("a Blender file")),
     (0, b"$MeshFormat", Content("a Gmsh file")),
     (0, b"\x7fELF", Content("a program")),
     (0, b"version https://git-lfs", Content("a pointer of Git LFS, not the file itself")),
-    (128, b"DICM", Content("a DICOM file")),
+    (128, b"DICM", Content("a DICOM file", (".dcm",))),
 )
 #: Patterns at the start of a text, after blanks and a byte order mark.
 _TEXTS = (
@@ -75,6 +82,12 @@ _TEXTS = (
     (rb'(?s)<.{0,3000}?VTKFile[^>]{0,200}?type="Unstr', Content("a VTK mesh", (".vtu",))),
     (rb"(?s)<.{0,3000}?VTKFile", Content("another VTK file in XML")),
     (rb"(?s)<.{0,3000}?<(?:\w+:)?svg\b|<(?:\w+:)?svg\b", Content("an SVG drawing", (".svg",))),
+    (rb"(?:NDims|ObjectType)\s*=", Content("a MetaImage file", (".mha", ".mhd"))),
+    (rb"(?s)<.{0,3000}?<(?:\w+:)?kml\b|<(?:\w+:)?kml\b", Content("a KML file", (".kml",))),
+    (rb"(?i)(?:SRID=\d+;)?(?:MULTI)?(?:POLYGON|LINESTRING)\s*Z?M?\s*\(|GEOMETRYCOLLECTION\s*\(",
+     Content("well-known text", (".wkt",))),
+    (rb"(?s)\{.{0,3000}?\"type\"\s*:\s*\"Topology\"",
+     Content("a TopoJSON file", (".topojson",))),
     (rb"(?:\d+[ \t]*\r?\n){8}[\d\s]*\Z", Content("a column of labels", (".spn",))),
     (rb"(?i)<!doctype html|<html", Content("a web page")),
     (rb'(?s)\{.{0,3000}?"(?:asset|bufferViews|accessors)"\s*:', Content("a glTF file", (".gltf",))),
@@ -103,7 +116,7 @@ def recognise(path: Path) -> Content | None:
     """
     with path.open("rb") as file:
         head = file.read(_HEAD)
-    suffix = path.suffix.lower()
+    suffix = suffix_of(path)
     if suffix == ".stl" and _is_binary_stl(head, path.stat().st_size):
         return None  # Such a file may begin with any 80 bytes.
     found = [content for place, mark, content in _MAGIC if head[place:].startswith(mark)]

@@ -57,19 +57,57 @@ FORMATS = (
     ),
     Format("DXF", (".dxf",), "outline", "dxf", "ezdxf", "formats", growth=10),
     Format("CSV of segments", (".csv",), "outline", "segments", growth=12),
+    Format("TopoJSON", (".topojson",), "outline", "topojson", is_map=True, growth=12),
+    Format("KML", (".kml",), "outline", "kml", is_map=True, growth=12),
+    Format("WKT", (".wkt",), "outline", "wkt", is_map=True, growth=10),
+    Format("GeoPackage", (".gpkg",), "outline", "geopackage", is_map=True, growth=4),
     Format("STL", (".stl",), "surface", "stl", growth=6),
     Format("OBJ", (".obj",), "surface", "obj", growth=20),
     Format("PLY", (".ply",), "surface", "ply", growth=12),
     Format("OFF", (".off",), "surface", "off", growth=16),
     Format("glTF", (".glb", ".gltf"), "surface", "gltf", unit="m", growth=8),
+    Format("3MF", (".3mf",), "surface", "threemf", growth=4),
+    Format(
+        "STEP or IGES",
+        (".step", ".stp", ".iges", ".igs"),
+        "surface",
+        "step",
+        "cascadio",
+        "cad",
+        growth=20,
+    ),
     Format("VTK", (".vtk", ".vtu", ".vtp"), "surface", "vtk", "pyvista", "formats", growth=8),
     Format("VTK image", (".vti",), "image", "vti", "pyvista", "formats", growth=3),
     Format("NumPy array", (".npy",), "image", "npy", growth=2),
     Format("TIFF stack", (".tif", ".tiff"), "image", "tiff", "tifffile", "formats", growth=1),
     Format("SPN of Sculpt", (".spn",), "image", "spn", growth=7),
-    Format("NRRD", (".nrrd",), "image", "nrrd", "nrrd", "formats", growth=1),
+    Format("NRRD", (".nrrd", ".nhdr"), "image", "nrrd", "nrrd", "formats", growth=1),
+    Format("NIfTI", (".nii", ".nii.gz"), "image", "nifti", growth=1),
+    Format("MetaImage", (".mha", ".mhd"), "image", "metaimage", growth=1),
+    Format("DICOM", (".dcm",), "image", "dicom", "pydicom", "formats", growth=3),
 )
 # fmt: on
+
+
+_DOUBLE = ".nii.gz"
+
+#: What to do with files of formats that are not read, by suffix.
+_REMEDIES = {
+    **dict.fromkeys(
+        (".sldprt", ".sldasm", ".ipt", ".prt", ".catpart", ".x_t", ".x_b", ".jt", ".f3d", ".fcstd"),
+        "save it as STEP (.step) in the program that wrote it",
+    ),
+    **dict.fromkeys((".brep", ".brp"), "save it as STEP (.step), for instance with FreeCAD"),
+    ".dwg": "save it as DXF (.dxf)",
+    **dict.fromkeys((".gml", ".fgb", ".tab", ".mif"), "convert it with ogr2ogr OUT.gpkg FILE"),
+    ".kmz": "unpack it, and give the KML file in it",
+    **dict.fromkeys((".fbx", ".blend", ".3ds", ".dae", ".usdz"), "export it as glTF (.glb)"),
+    **dict.fromkeys((".png", ".jpg", ".jpeg", ".bmp"), "trace its outlines and save them as SVG"),
+    **dict.fromkeys((".ima", ".dicom", ""), "if it is a DICOM file, rename all files to .dcm"),
+    **dict.fromkeys((".img", ".hdr", ".mgz"), "convert it to NIfTI (.nii.gz)"),
+    **dict.fromkeys((".raw", ".vol"), "write a header for it, as MHD or NHDR"),
+    ".msh": "convert it to VTU, for instance with meshio convert",
+}
 
 
 def find_format(geometry: str) -> Format:
@@ -90,7 +128,7 @@ def find_format(geometry: str) -> Format:
     >>> find_format("part.STL").name
     'STL'
     """
-    suffix = Path(geometry).suffix.lower()
+    suffix = suffix_of(geometry)
     for candidate in FORMATS:
         if suffix in candidate.suffixes:
             return candidate
@@ -98,8 +136,25 @@ def find_format(geometry: str) -> Format:
         f"files of type {suffix or '(no suffix)'!r} are not supported",
         where=geometry,
         expected=f"one of {', '.join(suffixes_of())}",
-        remedy="export the geometry in one of these formats",
+        remedy=_REMEDIES.get(suffix, "export the geometry in one of these formats"),
     )
+
+
+def suffix_of(path: str | Path) -> str:
+    """Return the suffix of a file in lower case, with both parts of ``.nii.gz``.
+
+    Parameters
+    ----------
+    path
+        The file, or ``package:NAME/FILE``.
+
+    Examples
+    --------
+    >>> suffix_of("head.NII.gz"), suffix_of("part.v2.stl")
+    ('.nii.gz', '.stl')
+    """
+    name = Path(path).name.lower()
+    return _DOUBLE if name.endswith(_DOUBLE) else Path(name).suffix
 
 
 def suffixes_of(*kinds: str) -> list[str]:
@@ -112,7 +167,7 @@ def suffixes_of(*kinds: str) -> list[str]:
 
     Examples
     --------
-    >>> suffixes_of("image")
+    >>> suffixes_of("image")[:6]
     ['.vti', '.npy', '.tif', '.tiff', '.spn', '.nrrd']
     """
     return [

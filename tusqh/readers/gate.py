@@ -10,7 +10,7 @@ from pathlib import Path
 from tusqh.errors import GeometryError
 from tusqh.machine import available_memory
 from tusqh.readers.content import recognise
-from tusqh.readers.formats import Format
+from tusqh.readers.formats import Format, suffix_of
 
 _KINDS: tuple[tuple[Callable[[int], bool], str], ...] = (
     (stat.S_ISDIR, "a folder"),
@@ -42,7 +42,7 @@ def check_file(path: Path, found: Format) -> None:
     size = _size_of_regular(path)
     require_memory(path, int(size * found.growth), what=f"reading its {_in_gb(size)}")
     content = recognise(path)
-    if content is None or path.suffix.lower() in content.suffixes:
+    if content is None or suffix_of(path) in content.suffixes:
         return
     if content.suffixes:
         renamed = path.with_suffix(content.suffixes[0]).name

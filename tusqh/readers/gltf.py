@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from tusqh.extras import require
 from tusqh.geometry.remark import Remark
 from tusqh.geometry.soup import Part, Soup
 from tusqh.grid import FloatArray, IntArray
@@ -17,7 +18,7 @@ from tusqh.readers.polygon_faces import cut_polygons, cut_strips
 from tusqh.readers.reading import Reading
 
 _INSTANCES, _DRACO = "EXT_mesh_gpu_instancing", "KHR_draco_mesh_compression"
-_SUPPORTED = {_INSTANCES, "KHR_mesh_quantization"}
+_SUPPORTED = {_INSTANCES, "KHR_mesh_quantization", _DRACO}
 #: Extensions with these prefixes affect appearance, not geometry.
 _APPEARANCE = ("KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "KHR_xmp")
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
@@ -42,11 +43,33 @@ def read(path: Path) -> Reading:
         The file is cut off, needs an unsupported extension, or contradicts its stated extremes; or
         the soup is empty, without extent or not finite.
     """
-    file = GltfFile(path)
-    for name in file.document.get("extensionsRequired", ()):
-        if name not in _SUPPORTED and not name.startswith(_APPEARANCE):
+    return read_scene(GltfFile(path), name=path.name)
+
+
+def read_scene(file: GltfFile, *, name: str) -> Reading:
+    """Read every mesh of the scene of a glTF document.
+
+    Parameters
+    ----------
+    file
+        The document.
+    name
+        Name of the geometry.
+
+    Returns
+    -------
+    Reading
+        The geometry.
+
+    Raises
+    ------
+    GeometryError
+        See `read`.
+    """
+    for extension in file.document.get("extensionsRequired", ()):
+        if extension not in _SUPPORTED and not extension.startswith(_APPEARANCE):
             raise file.fault(
-                f"the extension {name} is required and not supported",
+                f"the extension {extension} is required and not supported",
                 remedy="export the file without it (without compression)",
             )
     left_out: Counter[str] = Counter()
@@ -68,7 +91,7 @@ def read(path: Path) -> Reading:
     n_scenes = len(file.document.get("scenes", ()))
     left_out["scenes beside the first one"] += max(n_scenes - 1, 0)
     remarks = [Remark("left out", what, n) for what, n in left_out.items() if n]
-    soup = Soup.from_parts(parts, name=path.name, part_names=names)
+    soup = Soup.from_parts(parts, name=name, part_names=names)
     return Reading(soup, tuple(remarks))
 
 
@@ -147,29 +170,54 @@ def _mesh(file: GltfFile, mesh: dict[str, Any], left_out: Counter[str]) -> Part:
             left_out["sets of points or lines"] += 1
             continue
         left_out["shapes to blend a mesh with"] += len(primitive.get("targets", ()))
-        position = primitive.get("attributes", {}).get("POSITION")
-        has_bytes = position is not None and (
-            {"bufferView", "sparse"} & file.item("accessors", position).keys()
-        )
-        if _DRACO in primitive.get("extensions", {}) and not has_bytes:
-            raise file.fault(
-                f"{_DRACO} is not supported", remedy="export the file without compression"
-            )
-        if position is None:
+        found = _points_and_corners(file, primitive)
+        if found is None:
             left_out["sets of triangles without positions"] += 1
             continue
-        points = file.accessor(position)
-        if points.shape[1] != 3:
-            raise file.fault(f"positions have {points.shape[1]} coordinates")
-        corners = np.arange(len(points))
-        if "indices" in primitive:
-            corners = file.accessor(primitive["indices"])[:, 0].astype(np.int64)
-        if corners.size and corners.max() >= len(points):
-            raise file.fault(f"point {corners.max()} of {len(points)} is used")
+        points, corners = found
         all_triangles.append(_triangles(file, corners, mode) + n_points)
         all_points.append(points)
         n_points += len(points)
     return np.concatenate(all_points), np.concatenate(all_triangles)
+
+
+def _points_and_corners(
+    file: GltfFile, primitive: dict[str, Any]
+) -> tuple[FloatArray, IntArray] | None:
+    """Return the points and the corners of a primitive, None if it has no positions."""
+    position = primitive.get("attributes", {}).get("POSITION")
+    packed = primitive.get("extensions", {}).get(_DRACO)
+    has_bytes = position is not None and (
+        {"bufferView", "sparse"} & file.item("accessors", position).keys()
+    )
+    if packed is not None and not has_bytes:
+        return _unpack(file, packed)
+    if position is None:
+        return None
+    points = file.accessor(position)
+    if points.shape[1] != 3:
+        raise file.fault(f"positions have {points.shape[1]} coordinates")
+    corners = np.arange(len(points))
+    if "indices" in primitive:
+        corners = file.accessor(primitive["indices"])[:, 0].astype(np.int64)
+    if corners.size and corners.max() >= len(points):
+        raise file.fault(f"point {corners.max()} of {len(points)} is used")
+    return points, corners
+
+
+def _unpack(file: GltfFile, packed: dict[str, Any]) -> tuple[FloatArray, IntArray]:
+    """Return the points and the corners of triangles that are compressed by Draco."""
+    draco = require("DracoPy", extra="formats")
+    content = file.bytes_of_view(packed["bufferView"])
+    try:
+        mesh = draco.decode(content)
+        points = np.asarray(mesh.points, dtype=np.float64).reshape(-1, 3)
+        corners = np.asarray(mesh.faces, dtype=np.int64).ravel()
+    except (draco.FileTypeException, ValueError, AttributeError, TypeError) as error:
+        raise file.fault(f"its compressed triangles cannot be read: {error}") from error
+    if corners.size and not 0 <= corners.min() <= corners.max() < len(points):
+        raise file.fault(f"a corner is out of the range 0 .. {len(points) - 1}")
+    return points, corners
 
 
 def _triangles(file: GltfFile, corners: IntArray, mode: int) -> IntArray:

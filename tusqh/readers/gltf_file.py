@@ -30,6 +30,8 @@ class GltfFile:
     ----------
     path
         The file.
+    content
+        Its bytes; None: they are read.
 
     Raises
     ------
@@ -37,9 +39,9 @@ class GltfFile:
         The file is cut off, or not glTF 2.0.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, content: bytes | None = None) -> None:
         self.path = path
-        content = path.read_bytes()
+        content = path.read_bytes() if content is None else content
         self._binary: bytes | None = None
         if content[:4] == b"glTF":
             content = self._split(content)
@@ -130,6 +132,24 @@ class GltfFile:
             raise self.fault(f"entry {number} of {len(entries)} {kind} is used")
         entry: dict[str, Any] = entries[number]
         return entry
+
+    def bytes_of_view(self, number: int) -> bytes:
+        """Return the bytes of a buffer view.
+
+        Parameters
+        ----------
+        number
+            Number of the view.
+
+        Raises
+        ------
+        GeometryError
+            Bytes are missing.
+        """
+        view = self.item("bufferViews", number)
+        size = int(view["byteLength"])
+        rows = self._view(number, 0, size, 1, np.dtype("u1"))
+        return rows.tobytes()
 
     def _split(self, content: bytes) -> bytes:
         """Return the JSON chunk of a binary file, and store the other one."""
