@@ -67,6 +67,7 @@ _MAGIC = (
     (0, b"$MeshFormat", Content("a Gmsh file")),
     (0, b"\x7fELF", Content("a program")),
     (0, b"version https://git-lfs", Content("a pointer of Git LFS, not the file itself")),
+    (72, b"S      1", Content("an IGES file", (".iges", ".igs"))),
     (128, b"DICM", Content("a DICOM file", (".dcm",))),
 )
 #: Patterns at the start of a text, after blanks and a byte order mark.
