@@ -5,6 +5,7 @@ import gzip
 import io
 import json
 import os
+import shutil
 import socket
 import zipfile
 
@@ -58,7 +59,8 @@ def test_every_format_under_the_suffix_of_another_is_refused_by_name(samples, tm
             assert "it is a" in error.found, (path.name, other.name, error.found)
             start = "unpack it" if path.suffix in (".gz", ".3mf") else "rename it to part."
             assert error.remedy.startswith(start), (path.name, other.name)
-            assert error.remedy.endswith(recognise(wrong).suffixes[0])
+            if path.suffix not in (".gz", ".3mf"):
+                assert error.remedy.endswith(recognise(wrong).suffixes[0])
     assert renamed["text.stl"] == "rename it to part.stl"
     assert renamed["drawing.svg"] == "rename it to part.svg"
 
@@ -175,11 +177,14 @@ NAMES = [
 
 @pytest.mark.parametrize("name", NAMES)
 def test_names_of_every_kind_are_read_and_shown_on_one_line(samples, tmp_path, name):
+    for data in ("apart.raw", "ball.zraw"):
+        shutil.copy(samples[0].parent / data, tmp_path)
     for path in samples:
-        strange = tmp_path / f"{name}{path.suffix}"
+        strange = tmp_path / f"{name}{suffix_of(path)}"
         strange.write_bytes(path.read_bytes())
         options = OPTIONS.get(path.suffix)
-        assert read_file(strange, image=options).geometry.name == strange.name
+        lengths = LENGTHS.get(path.suffix)
+        assert read_file(strange, image=options, lengths=lengths).geometry.name == strange.name
         strange.write_bytes(b"\0\1\2\3" * 9)
         shown = str(refused(strange))
         assert len(shown.splitlines()) == 3

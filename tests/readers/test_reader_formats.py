@@ -68,7 +68,7 @@ def test_a_missing_library_is_an_error_that_names_the_extra(tmp_path, monkeypatc
     monkeypatch.setitem(sys.modules, found.library, None)
     with pytest.raises(MissingExtraError) as caught:
         read_file(path)
-    assert caught.value.remedy == 'pip install "tusqh[formats]"'
+    assert caught.value.remedy == f'pip install "tusqh[{found.extra}]"'
     assert caught.value.where == found.library
 
 
@@ -110,7 +110,7 @@ def test_the_page_on_inputs_has_every_format_and_names_tests_that_exist(reposito
     page = (repository / "docs/inputs.md").read_text()
     rows = {row.split("|")[1].strip() for row in page.splitlines() if row.startswith("| ")}
     named = {"NumPy array": "NPY", "TIFF stack": "TIFF", "CSV of segments": "CSV"}
-    named |= {"VTK": "VTK, VTU, VTP"}
+    named |= {"VTK": "VTK, VTU, VTP", "STEP or IGES": "STEP, IGES"}
     missing = {named.get(found.name, found.name) for found in FORMATS} - rows
     assert not missing
     tests = "".join(path.read_text() for path in (repository / "tests").rglob("test_*.py"))
