@@ -11,6 +11,7 @@ from tusqh.antialias.cells import CellSets
 from tusqh.antialias.resolve import build_mesh
 from tusqh.fitting import Target, fit_mesh
 from tusqh.fitting.crossings import find_crossings
+from tusqh.fitting.left_out import LEFT_OUT
 from tusqh.fitting.pillow import pillow
 from tusqh.fitting.validity import find_unproven
 from tusqh.geometry.image import Image
@@ -241,3 +242,18 @@ def test_the_layer_covers_every_facet_once():
     assert new.n_cells == mesh.n_cells + len(mesh.facets.boundary)
     outer = {tuple(sorted(f)) for f in new.facets.boundary.tolist()}
     assert outer == {tuple(sorted(f)) for f in pillowed.facets.tolist()}
+
+
+def test_walls_closer_than_a_cell_are_a_row():
+    parts = [trimesh.creation.box((2, 2, 0.5)) for _ in range(2)]
+    for part, height in zip(parts, (0.27, -0.27), strict=True):
+        part.apply_translation([0, 0, height])
+    both = trimesh.util.concatenate(parts)
+    result = tusqh.mesh((both.vertices, both.faces), cells=12, placement="corner", threshold=0.5)
+    target = Target.of(result.geometry, result.fractions)
+    fitted = fit_mesh(result.mesh, target, cell_size=target.grid.cell_size)
+    require_sound(fitted, result.mesh)
+    rows = fitted.fell_back[fitted.fell_back["what"] == LEFT_OUT]
+    assert len(rows) == 1
+    assert rows[["x", "y", "z"]].to_numpy() == pytest.approx(np.zeros((1, 3)), abs=1e-6)
+    assert rows["points"].sum() == 0

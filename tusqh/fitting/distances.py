@@ -41,10 +41,9 @@ def measure_distances(
     is_side = on_sides(points[facets], target).any(axis=1)
     owned = facets[~is_side if is_owned is None else is_owned]
     surface = make_tree(_in_space(target.pieces))
-    boundary = make_tree(_in_space(_triangles(points[facets])))
     at_vertices = find_nearest(surface, _pad(points[np.unique(owned)])).distance
     at_faces = find_nearest(surface, _pad(points[owned].mean(axis=1))).distance
-    back = find_nearest(boundary, _pad(target.points)).distance
+    back = distances_back(mesh, target)
     rows = []
     for direction, at, values in (
         ("boundary", "vertices", at_vertices),
@@ -58,6 +57,21 @@ def measure_distances(
                 numbers = [values.mean(), np.quantile(values, 0.99), values.max()]
             rows.append((direction, at, len(values), name, *(scale * n for n in numbers)))
     return pd.DataFrame(rows, columns=list(DISTANCE_COLUMNS))
+
+
+def distances_back(mesh: ElementMesh, target: Target) -> FloatArray:
+    """Return the distance of every trusted sample from the boundary of a mesh, in cells.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    target
+        The surface.
+    """
+    points = to_cells(mesh.points, target.grid)
+    boundary = make_tree(_in_space(_triangles(points[mesh.facets.boundary])))
+    return find_nearest(boundary, _pad(target.points)).distance
 
 
 def on_sides(corners: FloatArray, target: Target) -> BoolArray:

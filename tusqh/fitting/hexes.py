@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from tusqh.fitting.distances import measure_distances
 from tusqh.fitting.fitted import Fitted
+from tusqh.fitting.left_out import list_left_out
 from tusqh.fitting.repair import CROSSING, FOLD, Faults, list_regions, pull_back, put_back
 from tusqh.fitting.rounds import Rounds
 from tusqh.fitting.target import Target
@@ -78,7 +79,7 @@ def fit_hexes(
         unit=mesh.unit,
     )
     distances = measure_distances(new, target, rounds.is_owned)
-    fell_back = pd.concat(regions, ignore_index=True)
+    fell_back = pd.concat([*regions, list_left_out(new, target)], ignore_index=True)
     features = rounds.features
     patch = None if features is None else features.label
     edges = rounds.skin.vertices[np.zeros((0, 2), int) if features is None else features.edges]
