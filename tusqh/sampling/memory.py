@@ -14,9 +14,12 @@ from tusqh.machine import available_memory
 #: overlaps needs most of it.  Measured on bunny, cube, shell and disc; a test repeats it.
 _MESHING = {2: (20, 900), 3: (40, 184)}
 
+#: Bytes that a mesh in slabs of any size needs, with the libraries that read its pieces.
+_LEAST_OF_SLABS = 250_000_000
+
 #: Bytes for each cell of the grid that slabs need for the contacts of all cells, and for each cell
 #: of the grid and each kept cell in one slab.
-_SLABS = (28, 45, 330)
+_SLABS = (20, 30, 150)
 
 #: Bytes that a mesh of any size needs.
 _LEAST = 45_000_000
@@ -64,11 +67,11 @@ def estimate_slabs(n_cells: int, n_kept: int, n_slabs: int) -> int:
     Examples
     --------
     >>> round(estimate_slabs(512**3, 512**3 // 4, 8) / 1e9, 1)
-    6.0
+    4.1
     """
     per_cell, per_cell_of_slab, per_kept = _SLABS
     of_slab = n_cells * per_cell_of_slab + n_kept * per_kept
-    return _LEAST + n_cells * per_cell + of_slab // n_slabs
+    return _LEAST_OF_SLABS + n_cells * per_cell + of_slab // n_slabs
 
 
 def require_memory(
