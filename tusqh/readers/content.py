@@ -86,7 +86,7 @@ _TEXTS = (
     (rb"(?:NDims|ObjectType)\s*=", Content("a MetaImage file", (".mha", ".mhd"))),
     (rb"(?s)<.{0,3000}?<(?:\w+:)?kml\b|<(?:\w+:)?kml\b", Content("a KML file", (".kml",))),
     (rb"(?i)(?:SRID=\d+;)?(?:MULTI)?(?:POLYGON|LINESTRING)\s*Z?M?\s*\(|GEOMETRYCOLLECTION\s*\(",
-     Content("well-known text", (".wkt",))),
+     Content("a file of well-known text", (".wkt",))),
     (rb"(?s)\{.{0,3000}?\"type\"\s*:\s*\"Topology\"",
      Content("a TopoJSON file", (".topojson",))),
     (rb"(?:\d+[ \t]*\r?\n){8}[\d\s]*\Z", Content("a column of labels", (".spn",))),
