@@ -92,7 +92,8 @@ _TEXTS = (
     (rb"(?:\d+[ \t]*\r?\n){8}[\d\s]*\Z", Content("a column of labels", (".spn",))),
     (rb"(?i)<!doctype html|<html", Content("a web page")),
     (rb'(?s)\{.{0,3000}?"(?:asset|bufferViews|accessors)"\s*:', Content("a glTF file", (".gltf",))),
-    (rb'(?s)[\[{].{0,3000}?"(?:type"\s*:\s*"(?:Feature|Geometry|(?:Multi)?[PL])|features"\s*:)',
+    (rb'(?s)(?!\{.{0,3000}?"type"\s*:\s*"Topology")'
+     rb'[\[{].{0,3000}?"(?:type"\s*:\s*"(?:Feature|Geometry|(?:Multi)?[PL])|features"\s*:)',
      Content("a GeoJSON file", (".geojson", ".json"))),
 )
 # fmt: on
