@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from scipy import ndimage
 
 from tusqh.contacts.material_fractions import MaterialFractions
 from tusqh.contacts.mesh import round_thresholds
@@ -150,6 +149,8 @@ def _tabulate(
     steps: list[tuple[list[object], BoolArray]],
 ) -> pd.DataFrame:
     """Return one row for each group of cells that one wish, or none, has relabelled alike."""
+    from scipy import ndimage
+
     rows, is_left = [], before != after
     none: list[object] = ["", "", "", pd.NA]
     for known, is_changed in [*steps, (none, is_left)]:

@@ -17,10 +17,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from tusqh.grid import IntArray
+from tusqh.grid.components import label_components
 from tusqh.meshes.boundary import SIDES, describe_side
 from tusqh.meshes.boundary_pieces import groups_of
 from tusqh.meshes.interfaces import find_interfaces, find_junctions
@@ -299,9 +298,7 @@ def _parts(mesh: VolumeMesh, regions: Regions) -> IntArray:
     same = np.flatnonzero(facets.unique[order][1:] == facets.unique[order][:-1])
     one, other = facets.cell[order[same]], facets.cell[order[same + 1]]
     is_inner = regions.material[one] == regions.material[other]
-    one, other = one[is_inner], other[is_inner]
-    graph = coo_array((np.ones(len(one)), (one, other)), shape=(mesh.n_cells,) * 2)
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+    return label_components(one[is_inner], other[is_inner], mesh.n_cells)[0]
 
 
 def _point_sets(mesh: VolumeMesh, regions: Regions) -> list[PointSet]:

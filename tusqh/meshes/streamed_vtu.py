@@ -12,7 +12,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, NamedTuple
 
-import meshio
 import numpy as np
 from numpy.typing import NDArray
 
@@ -63,6 +62,8 @@ def write_streamed(
     unit
         Unit of length of the points; empty if it is not known.
     """
+    import meshio
+
     with replacing(path) as temporary, temporary.open("wb") as out:
         head = (
             '<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="0.1" '

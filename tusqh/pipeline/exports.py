@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tusqh.fitting.midpoints import mover_onto
 from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.soup import Soup
 from tusqh.meshes.choose_sets import Wish
@@ -14,7 +13,6 @@ from tusqh.meshes.elements import Element
 from tusqh.meshes.formats import Export
 from tusqh.meshes.sets import Labels
 from tusqh.meshes.volume_mesh import VolumeMesh
-from tusqh.sampling.nearest_triangle import find_nearest, make_tree
 
 
 def export_of(
@@ -49,14 +47,18 @@ def export_of(
         The element does not exist or does not fit the mesh, or a text names no place.
     """
     dim = 3 if layer is not None else mesh.dim
-    is_quadratic = Element.of(element, dim).is_quadratic
+    is_quadratic, mover = Element.of(element, dim).is_quadratic, None
+    if geometry and is_fitted and is_quadratic:
+        from tusqh.fitting.midpoints import mover_onto
+
+        mover = mover_onto(geometry)
     return Export(
         element=element,
         layer=layer,
         wishes=tuple(Wish.read(text) for text in sets),
         is_smooth=is_fitted,
         labels=() if geometry is None else labels_of_input(mesh, geometry),
-        mover=mover_onto(geometry) if geometry and is_fitted and is_quadratic else None,
+        mover=mover,
     )
 
 
@@ -77,6 +79,8 @@ def labels_of_input(mesh: VolumeMesh, geometry: Geometry) -> tuple[Labels, ...]:
     """
     if not isinstance(geometry, Soup) or int(geometry.parts.max()) == 0:
         return ()
+    from tusqh.sampling.nearest_triangle import find_nearest, make_tree
+
     n = int(geometry.parts.max()) + 1
     given = geometry.part_names or n * ("",)
     names = [f"input_{name or k}" for k, name in enumerate(given, start=1)]
