@@ -34,7 +34,7 @@ def folder(request, tmp_path_factory):
 @pytest.fixture(scope="module")
 def opened(browser, folder, tmp_path_factory):  # noqa: F811
     path = tmp_path_factory.mktemp("page") / "materials.html"
-    path.write_text(make_materials_page(read_materials_subject(folder, unit="mm")), "utf-8")
+    path.write_text(make_materials_page(read_materials_subject(folder)), "utf-8")
     opened = Opened(browser, path)
     yield opened
     assert opened.messages == []

@@ -233,7 +233,7 @@ def test_unsupported_suffix_names_the_supported_ones(tmp_path):
             "fewer than two numbers",
         ),
         ("a.svg", "<svg><path></svg>", "mismatched tag"),
-        ("a.svg", "<kml/>", "not <svg>"),
+        ("a.svg", "<drawing/>", "not <svg>"),
         ("a.svg", '<svg><path d="M 0 0 L"/></svg>', "expects 2"),
         ("a.svg", '<svg><g transform="turn(3)"/></svg>', "transform"),
         ("a.dxf", "not a drawing", "not a DXF file"),

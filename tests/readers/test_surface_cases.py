@@ -58,7 +58,7 @@ REFUSED = {
     "18_stl_byte_counts/s10_count0.stl": "promises 0 triangles, the file holds 60",
     "18_stl_byte_counts/s11_count_half.stl": "promises 30 triangles, the file holds 60",
     "19_stl_endings/s02_comma.stl": "decimal comma",
-    "21_glb_parts_dropped/q10_draco_mix.glb": "KHR_draco_mesh_compression is required",
+    "21_glb_parts_dropped/q10_draco_mix.glb": "its compressed triangles cannot be read",
     "24_vtk_cut_segfault/v28_cut10.vtk": "bytes, the file holds",
     "24_vtk_cut_segfault/v28_cut100.vtk": "bytes, the file holds",
     "24_vtk_cut_segfault/v28_cut300.vtk": "bytes, the file holds",

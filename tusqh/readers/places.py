@@ -132,7 +132,7 @@ def look_like_degrees(points: FloatArray) -> bool:
     low, high = points.min(axis=0), points.max(axis=0)
     diagonal = float(np.linalg.norm(high - low))
     from_origin = float(np.linalg.norm(np.clip(0.0, low, high)))
-    if from_origin > diagonal:
+    if from_origin > diagonal > 0:
         return True
     if from_origin < 0.01 * diagonal or np.linalg.norm(low + high) < 0.1 * diagonal:
         return False
