@@ -96,7 +96,9 @@ def test_the_diagram_says_where_each_hole_is(built):
 def test_the_explorer_shows_the_mesh_and_its_command(built):
     page = (built / "results/plate/explorer.html").read_text(encoding="utf-8")
     facts = json.loads(re.search(r'id="facts-json">(.*?)</script>', page, re.DOTALL)[1])
-    assert facts["command"]["before"] == "tusqh mesh data_sources/plate.svg --cells 32 --fit"
+    assert (
+        facts["command"]["before"] == "tusqh mesh data_sources/plate.svg --cells 32 --unit mm --fit"
+    )
     assert facts["unit"] == "mm"
     assert dict(facts["head"])["its Betti numbers"] == "1, 2"
     assert facts["tables"]["verdict"]["rows"]

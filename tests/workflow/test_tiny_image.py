@@ -74,6 +74,7 @@ def test_the_workflow_meshes_the_pores(foam):
 def test_the_python_call_gives_the_same_files(foam):
     result = tusqh.mesh(
         foam / "foam.tif",
+        unit="um",
         image={"voxel_size": 4.5, "empty": 30, "full": 210},
         cells=12,
         domain="outside",
@@ -86,7 +87,8 @@ def test_the_python_call_gives_the_same_files(foam):
 
 
 def test_the_command_line_gives_the_same_mesh(foam):
-    options = "--voxel-size 4.5 --empty 30 --full 210 --cells 12 --domain outside --min-cells 3"
+    options = "--unit um --voxel-size 4.5 --empty 30 --full 210 --cells 12 --domain outside "
+    options += "--min-cells 3"
     command = [sys.executable, "-m", "tusqh", "mesh", "foam.tif", *options.split()]
     done = subprocess.run(
         [*command, "--betti", "1", "-o", "foam.vtu"], cwd=foam, capture_output=True, text=True
