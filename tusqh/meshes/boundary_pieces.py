@@ -249,3 +249,30 @@ def depths_in_hull(points: FloatArray, chosen: IntArray) -> FloatArray:
         along = (points - middle) @ ray
         np.minimum(depth, along[chosen].max() - along, out=depth)
     return depth
+
+
+def rounded_places(points: FloatArray, places: FloatArray) -> IntArray:
+    """Return places in millionths of the extent of a mesh, which rounding errors do not change.
+
+    Parameters
+    ----------
+    points
+        Points of the mesh, shape (n, dim).
+    places
+        The places, shape (r, dim).
+    """
+    low = points.min(axis=0)
+    extent = max(float((points.max(axis=0) - low).max()), 1e-300)
+    # The offset keeps planes of grids away from the ends of the intervals.
+    return np.asarray(np.floor((places - low) / extent * 1e6 + 0.3183), dtype=np.int64)
+
+
+def lowest_place(places: IntArray) -> tuple[int, ...]:
+    """Return the first of some places, by x, then y, then z.
+
+    Parameters
+    ----------
+    places
+        The places, shape (r, dim).
+    """
+    return tuple(places[np.lexsort(places.T[::-1])[0]].tolist())

@@ -18,10 +18,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tusqh.grid import IntArray
+from tusqh.grid import FloatArray, IntArray
 from tusqh.grid.components import label_components
 from tusqh.meshes.boundary import SIDES, describe_side
-from tusqh.meshes.boundary_pieces import groups_of
+from tusqh.meshes.boundary_pieces import groups_of, rounded_places
 from tusqh.meshes.interfaces import find_interfaces, find_junctions
 from tusqh.meshes.regions import Regions
 from tusqh.meshes.volume_mesh import VolumeMesh
@@ -239,7 +239,8 @@ def _repeated_sets(
     component = boundary_components(mesh)
     size = np.bincount(component)
     rank = np.empty(len(size), dtype=np.int64)
-    rank[np.argsort(-size, kind="stable")] = np.arange(len(size))
+    middles = mesh.points[mesh.boundary.corners].mean(axis=1)
+    rank[_by_size_and_place(mesh, component, middles)] = np.arange(len(size))
     numbered = [f"boundary_{k + 1}" for k in range(len(size))]
     all_labels = [
         Labels("boundary", "connected component of the boundary", numbered, rank[component]),
@@ -269,7 +270,10 @@ def _element_sets(mesh: VolumeMesh, regions: Regions) -> tuple[list[ElementSet],
         name, meaning = region.name, f"elements of {region.name}"
         whole = ElementSet(region.number, name, "region", meaning, region.elements)
         _, own, size = np.unique(part[region.elements], return_inverse=True, return_counts=True)
-        order = np.argsort(-size, kind="stable")
+        order = np.zeros(1, dtype=np.int64)
+        if len(size) > 1:
+            middles = mesh.points[mesh.cells[region.elements]].mean(axis=1)
+            order = _by_size_and_place(mesh, own, middles)
         rank = np.empty(len(size), dtype=np.int64)
         rank[order] = np.arange(len(size))
         by_rank = region.elements[np.argsort(rank[own], kind="stable")]
@@ -289,6 +293,14 @@ def _element_sets(mesh: VolumeMesh, regions: Regions) -> tuple[list[ElementSet],
             groups.append(whole)
     first = max(block.number for block in blocks) + 1
     return blocks, [g._replace(number=k) for k, g in enumerate(groups, start=first)]
+
+
+def _by_size_and_place(mesh: VolumeMesh, label: IntArray, middles: FloatArray) -> IntArray:
+    """Return labels from the largest to the smallest; the place decides between equal ones."""
+    places = rounded_places(mesh.points, middles)
+    order = np.lexsort([*places.T[::-1], label])
+    first = order[np.unique(label[order], return_index=True)[1]]
+    return np.asarray(np.lexsort([*places[first].T[::-1], -np.bincount(label)]))
 
 
 def _parts(mesh: VolumeMesh, regions: Regions) -> IntArray:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.grid import BoolArray, IntArray
 from tusqh.meshes.boundary import SIDES
 from tusqh.meshes.boundary_pieces import (
     HOLE,
@@ -27,7 +27,9 @@ from tusqh.meshes.boundary_pieces import (
     depths_in_hull,
     find_edges,
     groups_of,
+    lowest_place,
     measure_pieces,
+    rounded_places,
 )
 from tusqh.meshes.element_mesh import ElementMesh
 from tusqh.meshes.interfaces import facet_areas
@@ -122,7 +124,7 @@ def divide_boundary(mesh: ElementMesh, *, is_smooth: bool = False) -> Division:
         shapes = measure_pieces(mesh, piece, edges)
         piece, shapes = _without_outside(mesh, piece, shapes, edges, is_smooth)
     walls = _collect(piece, shapes, edges, is_free)
-    return Division(attribute, _sorted_walls(walls, facet_areas(mesh.points, corners)))
+    return Division(attribute, _sorted_walls(mesh, walls))
 
 
 def boundary_components(mesh: ElementMesh) -> IntArray:
@@ -217,11 +219,19 @@ def _collect(piece: IntArray, shapes: list[Shape], edges: Edges, is_free: BoolAr
     return found
 
 
-def _sorted_walls(walls: list[Wall], areas: FloatArray) -> list[Wall]:
+def _sorted_walls(mesh: ElementMesh, walls: list[Wall]) -> list[Wall]:
+    """Return walls by kind, size and place, so that the numbering of the mesh does not matter."""
     order = (HOLE, VOID, RECESS, WALL)
+    corners = mesh.boundary.corners
+    areas = facet_areas(mesh.points, corners)
+    places = rounded_places(mesh.points, mesh.points[corners].mean(axis=1))
     digits = 9 - int(np.floor(np.log10(max(float(areas.sum()), 1e-300))))
     keys = [
-        (order.index(wall.kind), -round(float(areas[wall.rows].sum()), digits), int(wall.rows[0]))
+        (
+            order.index(wall.kind),
+            -round(float(areas[wall.rows].sum()), digits),
+            lowest_place(places[wall.rows]),
+        )
         for wall in walls
     ]
     return [walls[k] for k in sorted(range(len(walls)), key=keys.__getitem__)]
