@@ -109,7 +109,7 @@ def _to_entry(model: Model) -> dict[str, Any]:
     """Return the block of a model: its grid, and the settings that are not defaults.
 
     >>> _to_entry(Model.from_dict({"geometry": "a.stl", "unit": "mm"}))
-    {'geometry': 'a.stl', 'unit': 'mm', 'grid': {'cells': 64, 'placement': 'auto'}}
+    {'geometry': 'a.stl', 'grid': {'cells': 64, 'placement': 'auto'}, 'unit': 'mm'}
     """
     known = model.to_dict()
     changed = model.to_dict(defaults=False)

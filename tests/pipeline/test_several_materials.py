@@ -182,7 +182,10 @@ def test_contradicting_wishes_name_the_first_that_fails():
     }  # fmt: skip
     both = {**one, 2: {"name": "b", "target": {"betti_0": 1}}}
     with pytest.raises(TopologyError, match="wishes contradict each other: 'b' has"):
-        tusqh.mesh(image, cells=3, materials=both)
+        tusqh.mesh(image, cells=3, materials=both, scope="global")
+    changed = tusqh.mesh(image, cells=3, materials=both)  # With the local scope both can.
+    assert changed.part("a").measurement.by_euler.betti_0 == 1
+    assert changed.part("b").measurement.by_euler.betti_0 == 1
 
 
 def test_meshing_again_with_the_thresholds_found_gives_the_same(files):

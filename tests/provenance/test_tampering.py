@@ -145,7 +145,7 @@ def test_a_source_that_is_gone_is_caught(project):
     ("old", "new", "key"),
     [
         ("threshold: 0.5", "threshold: 0.6", "goal.threshold"),
-        ("    unit: mm\n    grid: {cells: 32}", "    grid: {cells: 32}", "unit"),
+        ("    unit: mm\n    grid: {cells: 32}", "    grid: {cells: 32}", "lengths.unit"),
     ],
 )
 def test_a_changed_parameter_is_caught(project, old, new, key):

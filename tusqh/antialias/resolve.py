@@ -45,6 +45,7 @@ def build_mesh(cells: CellSet, grid: BackgroundGrid, *, name: str = "mesh") -> R
     --------
     >>> import numpy as np
     >>> from tusqh.antialias.cells import CellSets
+    >>> from tusqh.sampling.fractions import VolumeFractions
     >>> values = np.zeros((5, 5))
     >>> values[1, 1] = values[3, 3] = 1.0
     >>> grid = BackgroundGrid(shape=(2, 2), cell_size=1.0, origin=(0.0, 0.0))

@@ -115,9 +115,11 @@ class OutlineFacts:
     def slivers(self) -> Slivers:
         """Gaps and overlaps between closed chains."""
         in_closed = self.is_closed[self.chains]
+        # Rounding does not decide on which side a chain without area turns.
+        areas = np.where(np.abs(self.areas) > self.flat_area, self.areas, 0.0)
         return measure_slivers(
             self.points,
             self.segments[in_closed],
             (np.cumsum(self.is_closed) - 1)[self.chains[in_closed]],
-            areas=self.areas[self.is_closed],
+            areas=areas[self.is_closed],
         )

@@ -102,6 +102,8 @@ def make_envelope(geometry: Surface, seal: float, *, origin: FloatArray, step: f
     --------
     Two squares, one in the other: the ball does not come to the inner one.
 
+    >>> from tusqh.geometry.outline import Outline
+    >>> from tusqh.sampling.flood import COVERED
     >>> side = np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]])
     >>> squares = Outline.from_chains([2 * side, side])
     >>> envelope = make_envelope(squares, 1.0, origin=np.array([0.25, 0, 0.25]), step=0.5)
