@@ -274,5 +274,10 @@ def lowest_place(places: IntArray) -> tuple[int, ...]:
     ----------
     places
         The places, shape (r, dim).
+
+    Returns
+    -------
+    tuple of int
+        The place, of length dim.
     """
     return tuple(places[np.lexsort(places.T[::-1])[0]].tolist())
