@@ -97,7 +97,8 @@ class Changeable(Protocol[S]):
         Raises
         ------
         ConfigError
-            There is no such material, or it must or must not be named.
+            The material does not exist, is missing although the model has several, or is given
+            although the model has only one.
         """
 
     def position(self, row: int) -> int:

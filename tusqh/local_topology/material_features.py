@@ -120,7 +120,7 @@ class MaterialFeatures(LocatedClasses):
         Raises
         ------
         ConfigError
-            There is no such material, or none is named.
+            The material does not exist, or the wish does not name one.
         """
         names = [self.fractions.names[k] for k in self._many]
         if material not in names:

@@ -101,7 +101,7 @@ def name_sets(mesh: VolumeMesh, sets: NamedSets, wishes: Sequence[Wish]) -> Name
     Raises
     ------
     ConfigError
-        A name is taken, two names mean one set, there is no set of that kind, or a place has the
+        A name is taken, two names are given to one set, no set is of that kind, or a place has the
         wrong number of coordinates.
     """
     facets = list(sets.facets)

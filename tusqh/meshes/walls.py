@@ -170,7 +170,7 @@ def _shapes_of_loops(piece: IntArray, is_inner: BoolArray) -> list[Shape]:
 def _without_outside(
     mesh: ElementMesh, piece: IntArray, shapes: list[Shape], edges: Edges, is_smooth: bool
 ) -> tuple[IntArray, list[Shape]]:
-    """Divide the pieces along which holes pass, but which are no walls of holes, as of a torus.
+    """Divide the pieces along which holes pass but which are not walls of holes, as on a torus.
 
     The facets at the convex hull of the mesh are left out; the rest may be the wall of a hole.
     """
@@ -190,7 +190,7 @@ def _without_outside(
     is_hole = of_finer[finer] & is_mine & ~is_outer
     if not is_hole.any():
         return piece, shapes
-    # The walls of holes are pieces of their own; what is left of a piece stays one.
+    # Each wall of a hole becomes a piece; the rest of the divided piece remains one piece.
     label = np.where(is_hole, len(shapes) + finer, piece)
     used, numbered = np.unique(label, return_inverse=True)
     kinds = []

@@ -177,7 +177,8 @@ def mesh(
     checks
         ``"all"`` lets VTK, MFEM and pymeshlab check meshes of more than 50,000 elements too.
     slabs
-        Make a large mesh in so many slabs, which need less memory; ``"auto"`` takes as many as fit.
+        Number of slabs in which a large mesh is made, with less memory; ``"auto"`` takes the
+        smallest number that fits.
         The mesh is written to `output`, and the result is a
         `tusqh.pipeline.slabs.mesh.SlabResult`.
     output

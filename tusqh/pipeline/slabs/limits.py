@@ -84,7 +84,7 @@ def count_slabs(settings: Settings, grid: BackgroundGrid, volume: float | None, 
     Raises
     ------
     SamplingError
-        The grid does not fit into the memory of this machine in so many slabs.
+        With this number of slabs, the grid does not fit into the memory of this machine.
     """
     wanted, most = settings.memory.slabs, max(grid.shape[0] // LEAST, 1)
     full = grid.n_cells if volume is None else int(abs(volume) / grid.cell_size**3)
