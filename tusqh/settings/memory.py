@@ -16,9 +16,9 @@ class Memory(Section):
     title: ClassVar[str] = "Memory"
 
     slabs: int | Literal["auto"] | None = setting(
-        "Make a large mesh of a surface in so many slabs, which need less memory and give the same "
-        "mesh; `auto` takes as many as fit. The threshold must be given or is 1/2. The workflow "
-        "has no slabs.",
+        "Number of slabs in which a large mesh of a surface is made, with less memory and the same "
+        "result; `auto` takes the smallest number that fits. The threshold must be given or is "
+        "1/2. The workflow has no slabs.",
         default=None,
         otherwise="in one piece",
         at_least=1,
