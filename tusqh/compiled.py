@@ -87,7 +87,7 @@ def _compile_meshing() -> None:
     """Mesh noise, an outline and a ring, and fit them: everything that follows sampling."""
     from tusqh.geometry.image import Image
     from tusqh.geometry.outline import Outline
-    from tusqh.pipeline.mesh import run_stages
+    from tusqh.pipeline.stages import run_stages
     from tusqh.settings.fitting import Fitting
     from tusqh.settings.grid import Grid
     from tusqh.settings.model import Settings

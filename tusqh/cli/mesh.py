@@ -99,7 +99,7 @@ def mesh(
             expected="one geometry, or --materials for one mesh of several materials",
             remedy="add --materials, or mesh one after the other",
         )
-    from tusqh.pipeline.mesh import run_stages
+    from tusqh.pipeline.stages import run_stages
 
     try:
         if in_slabs:

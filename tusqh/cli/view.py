@@ -98,7 +98,7 @@ def _write_from_geometry(page: Path, source: str, settings: Settings) -> None:
     from tusqh.atomic import require_writable, write_text
     from tusqh.explorer.page import make_page
     from tusqh.explorer.subject import subject_of
-    from tusqh.pipeline.mesh import run_stages
+    from tusqh.pipeline.stages import run_stages
 
     require_writable(page)
     with shown() as progress:

@@ -4,30 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from tusqh.errors import ConfigError
-from tusqh.geometry.image import Image
-from tusqh.geometry.outline import Outline
-from tusqh.geometry.remark import Remark
-from tusqh.meshes.volume_mesh import VolumeMesh
-from tusqh.pipeline.build import Built, build, require_volume
-from tusqh.pipeline.coarsen import Coarsened
-from tusqh.pipeline.coarsen import coarsen as coarsen_built
-from tusqh.pipeline.describe_reading import describe_reading
-from tusqh.pipeline.judge import judge_built
 from tusqh.pipeline.materials.mesh import has_several_materials, mesh_several
 from tusqh.pipeline.materials.result import MaterialsResult
-from tusqh.pipeline.original import Original
-from tusqh.pipeline.persistence import find_persistence
 from tusqh.pipeline.result import Result
-from tusqh.pipeline.select import select
 from tusqh.pipeline.slabs.mesh import SlabResult, mesh_in_slabs
-from tusqh.pipeline.unused_settings import read_with
+from tusqh.pipeline.stages import run_stages
 from tusqh.progress import Progress, log_progress
-from tusqh.readers.reading import Reading
-from tusqh.sampling.fractions import VolumeFractions
-from tusqh.sampling.orient import orient
 from tusqh.settings.arguments import arguments_of, explains_unknown_arguments, from_arguments
 from tusqh.settings.goal import Base, Scope
 from tusqh.settings.grid import Place
@@ -35,9 +20,6 @@ from tusqh.settings.materials import Materials
 from tusqh.settings.model import Settings
 from tusqh.settings.policy import BridgeMode
 from tusqh.settings.sampling import Domain, Inside, Orientation, Rule, Sampler
-
-if TYPE_CHECKING:
-    from tusqh.pipeline.fit import Fit
 
 __all__ = ["mesh"]
 
@@ -52,6 +34,8 @@ def mesh(
     cells: int | Sequence[int] | None = None,
     cell_size: float | None = None,
     placement: Place = "auto",
+    offset: Sequence[float] | None = None,
+    snap: bool = False,
     betti: Betti | None = None,
     threshold: float | None = None,
     persistence: float | None = None,
@@ -104,6 +88,11 @@ def mesh(
     placement
         ``"auto"`` moves the grid by a fraction of a cell if the volume is more than 1 % off;
         ``"corner"`` lays it on the box.
+    offset
+        Instead of `placement`: how far the grid is moved along each axis, in cells.
+    snap
+        Instead of `placement`: lay planes of the grid on plane faces of the geometry, with cells
+        of another size where that is necessary.
     betti
         Requested numbers of components, holes and voids, such as ``(1, 0, 0)``.  Each may be a
         number, a list, ``{"min": 1, "max": 3}``, or None for any number.
@@ -245,105 +234,3 @@ def _require_slabs(settings: Settings, output: Path | str | None, *, is_several:
             remedy="give both; the result of a mesh in one piece has the method `write`",
         )
     return Path(output)
-
-
-def run_stages(
-    source: Any,
-    settings: Settings,
-    *,
-    name: str | None = None,
-    progress: Progress = log_progress,
-) -> Result:
-    """Return the mesh of a geometry for typed settings, as `tusqh.mesh` does.
-
-    Parameters
-    ----------
-    source
-        The geometry, see `tusqh.pipeline.ingest.ingest`.
-    settings
-        How it is meshed.
-    name
-        Name of the model in files and messages; None: the name of the file.
-    progress
-        Shows the progress of long steps.
-    """
-    if name is None:
-        name = Path(source).stem if isinstance(source, (str, Path)) else "model"
-    progress("reading")
-    reading = read_with(source, settings, name=name)
-    original = Original(
-        reading.geometry,
-        settings.grid,
-        settings.sampling,
-        settings.window,
-        settings.quality,
-        settings.goal.threshold,
-    )
-    fractions, reference = original.sample_with_reference(progress)
-    progress("persistence")
-    found = find_persistence(fractions, name=name)
-    choice = select(
-        fractions,
-        found.topology,
-        policy=settings.policy,
-        goal=settings.goal,
-        reference=reference,
-        name=name,
-        progress=progress,
-    )
-    progress("mesh")
-    built = build(fractions, choice.selection, name=name, original=original, reference=reference)
-    if settings.goal.volume is not None:
-        require_volume(built)
-    fitted = _fit(built, original, settings, progress)
-    coarse = _coarsen(built.mesh if fitted is None else fitted.mesh, fractions, settings, progress)
-    progress("quality")
-    return Result(
-        reading.geometry,
-        fractions,
-        found,
-        choice,
-        built,
-        judge_built(built, fitted, settings.quality),
-        settings,
-        describe_reading(reading),
-        _remarks(reading, settings, built),
-        fitted,
-        coarse,
-    )
-
-
-def _fit(built: Built, original: Original, settings: Settings, progress: Progress) -> Fit | None:
-    """Return the fitted mesh if the settings ask for it."""
-    if not settings.fitting.fit:
-        return None
-    from tusqh.pipeline.fit import fit as fit_built
-
-    progress("fit")
-    return fit_built(built.mesh, built.selection, built.fractions, original, built.facts)
-
-
-def _coarsen(
-    mesh: VolumeMesh, fractions: VolumeFractions, settings: Settings, progress: Progress
-) -> Coarsened | None:
-    """Return the coarse mesh if the settings ask for it."""
-    if settings.coarsening.coarsen is None:
-        return None
-    progress("coarsen")
-    return coarsen_built(mesh, fractions.grid)
-
-
-def _remarks(reading: Reading, settings: Settings, built: Built) -> tuple[Remark, ...]:
-    """Return the remarks on what reading, orienting and meshing left out, changed or noted."""
-    geometry, remarks = reading.geometry, reading.remarks
-    if not isinstance(geometry, Image):
-        remarks += orient(geometry, settings.sampling.orientation).remarks
-    if isinstance(geometry, Outline):
-        from tusqh.geometry.small_pieces import remarks_on_small_polygons
-
-        is_outside = settings.sampling.domain == "outside"
-        cells = built.resolved.cells
-        remarks += remarks_on_small_polygons(
-            geometry, built.fractions.grid, cells.kept, is_outside=is_outside
-        )
-    return remarks

@@ -10,7 +10,7 @@ from tusqh.progress import Progress, log_progress
 from tusqh.sampling.fractions import VolumeFractions, sample_fractions
 from tusqh.sampling.inside import field_of
 from tusqh.sampling.inside_lengths import box_of_inside
-from tusqh.sampling.layout import lay_grid
+from tusqh.sampling.layout import lay_as_set
 from tusqh.sampling.memory import require_memory
 from tusqh.sampling.orient import orient
 from tusqh.sampling.place import place_grid
@@ -100,7 +100,7 @@ def sample_with_reference(
         return replace(fractions, placement=stays if is_auto else None), None
     oriented = orient(geometry, sampling.orientation).geometry
     covered = box or box_of_inside(geometry, geometry.bounding_box(), sampling, grid)
-    background_grid = lay_grid(geometry, covered, cells=grid.cells, cell_size=grid.cell_size)
+    background_grid, placed_as_set = lay_as_set([geometry], covered, grid)
     of_geometry = signed_volume(oriented) if sampling.domain == "inside" else None
     made = None
     if sampling.inside != "winding":  # One envelope is enough for all that follows.
@@ -114,8 +114,8 @@ def sample_with_reference(
         field=made,
         progress=progress("samples"),
     )
-    if not is_auto:
-        return fractions, None
+    if placed_as_set or not is_auto:
+        return replace(fractions, placement=placed_as_set), None
     progress("placement")
     reference = find_reference(geometry, fractions, sampling=sampling, window=box)
     placed, placement = place_grid(

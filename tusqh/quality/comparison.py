@@ -193,7 +193,7 @@ def _ties(cells: CellSet, fractions: Compared) -> list[Check]:
             "cells whose fraction is the threshold itself",
             f"{n_tied:,} of {n_kept:,} kept cells",
             f"<= {100 * _TIED:g} %",
-            "shift the grid by part of a cell with `--window`, or use a threshold a little above "
+            "shift the grid by part of a cell with `--offset`, or use a threshold a little above "
             "or below: the mesh loses those cells at any higher threshold",
         )
     ]

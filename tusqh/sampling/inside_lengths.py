@@ -91,6 +91,11 @@ def box_of_inside(geometry: Surface, box: Box, sampling: Sampling, grid: Grid) -
     grid
         The cells, along the longest side of the box that is returned, or their size.
 
+    Raises
+    ------
+    SamplingError
+        The grid is to be snapped to faces that are in the middle of a shell.
+
     Examples
     --------
     A line of length 6 becomes a shell of 7 by 1, with 7 cells along its longest side:
@@ -102,6 +107,13 @@ def box_of_inside(geometry: Surface, box: Box, sampling: Sampling, grid: Grid) -
     """
     if sampling.inside not in ("shell", "union"):
         return box
+    if grid.snap:
+        raise SamplingError(
+            f"`snap` with `inside: {sampling.inside}`",
+            where=geometry.name,
+            expected="an inside that ends at the faces of the geometry",
+            remedy="leave out `snap`: a shell has the faces in its middle; `offset` moves the grid",
+        )
     sides = [b - a for a, b in zip(*box, strict=True)]
     size = grid.cell_size
     if size is None:

@@ -6,10 +6,35 @@ from dataclasses import asdict, dataclass
 from fractions import Fraction
 from typing import Any
 
+#: What a placement has only where the settings ask for it.
+_AS_SET = ("offset", "requested", "taken", "planes")
+
+
+@dataclass(frozen=True)
+class GridPlane:
+    """A plane with faces of the geometry, and its distance from the nearest plane of the grid.
+
+    Parameters
+    ----------
+    axis
+        The axis of the grid that it is perpendicular to: x, y or z.
+    at
+        Its coordinate, in model units.
+    share
+        Share of the area of the geometry (2D: of its length) that lies in it.
+    away
+        Distance from the nearest plane of the grid, in cells; 0 if it lies on it.
+    """
+
+    axis: str
+    at: float
+    share: float
+    away: float
+
 
 @dataclass(frozen=True)
 class Placement:
-    """The result of comparing several placements of the grid.
+    """The result of comparing several placements of the grid, or how the settings place it.
 
     Parameters
     ----------
@@ -28,6 +53,13 @@ class Placement:
         larger of the errors with and without the cells whose fraction equals the threshold.
     reason
         Why the grid cannot be moved; empty if it can.
+    offset
+        How far the settings move the grid from the corner along each axis, in cells; empty if
+        they do not.
+    requested, taken
+        With planes: the edge lengths of a cell before and after, in model units.
+    planes
+        The planes of the geometry on which the grid was to be laid; none if it was not.
     """
 
     moved: tuple[int, ...]
@@ -38,15 +70,22 @@ class Placement:
     error: float = 0.0
     corner_error: float = 0.0
     reason: str = ""
+    offset: tuple[float, ...] = ()
+    requested: tuple[float, ...] = ()
+    taken: tuple[float, ...] = ()
+    planes: tuple[GridPlane, ...] = ()
 
     @property
     def is_moved(self) -> bool:
-        """Whether the grid is not at the corner."""
+        """Whether comparing placements moved the grid away from the corner."""
         return any(self.moved)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the placement as plain values, for JSON."""
-        return asdict(self) | {"moved": list(self.moved)}
+        """Return the placement as plain values, for JSON, without what the settings do not ask."""
+        values = asdict(self)
+        lists = {name: list(values[name]) for name in ("moved", *_AS_SET)}
+        unused = [name for name in _AS_SET if not lists[name]]
+        return {name: v for name, v in (values | lists).items() if name not in unused}
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> Placement:
@@ -57,7 +96,9 @@ class Placement:
         values
             The fields by name.
         """
-        return cls(**{**values, "moved": tuple(values["moved"])})
+        planes = tuple(GridPlane(**plane) for plane in values.get("planes", ()))
+        tuples = {name: tuple(values.get(name, ())) for name in ("moved", *_AS_SET)}
+        return cls(**{**values, **tuples, "planes": planes})
 
     def __str__(self) -> str:
         """Return the placement in words.
@@ -67,6 +108,11 @@ class Placement:
         >>> print(Placement((1, 2, 1), 4, 64, error=0.008, corner_error=0.041))
         moved by (1/4, 1/2, 1/4) of a cell: volume error 0.8 % rather than 4.1 %
         """
+        if self.planes:
+            return self._in_planes()
+        if self.offset:
+            moved = ", ".join(f"{step:g}" for step in self.offset)
+            return f"moved by ({moved}) of a cell, as `offset` asks"
         if self.reason:
             return f"at the corner: {self.reason}"
         if not self.is_moved:
@@ -77,6 +123,29 @@ class Placement:
             f"moved by ({moved}) of a cell: volume error {_percent(self.error)} rather than "
             f"{_percent(self.corner_error)}"
         )
+
+    def _in_planes(self) -> str:
+        """Return the planes of the geometry that lie on planes of the grid, and the others."""
+        total = sum(plane.share for plane in self.planes)
+        on_grid = [plane for plane in self.planes if plane.away == 0]
+        share = sum(plane.share for plane in on_grid) / total
+        off = [
+            f"{plane.axis} = {plane.at:.6g} is {plane.away:.2g} cells off"
+            for plane in self.planes
+            if plane.away
+        ]
+        listed = ", ".join(f"{plane.axis} = {plane.at:.6g}" for plane in on_grid)
+        text = (
+            f"{len(on_grid)} of {len(self.planes)} planes of the geometry lie on planes of the "
+            f"grid ({100 * share:.0f} % of their area): {listed}"
+        )
+        if self.taken != self.requested:
+            taken, requested = (
+                " x ".join(f"{x:.6g}" for x in dict.fromkeys(sizes))
+                for sizes in (self.taken, self.requested)
+            )
+            text = f"cells of {taken} instead of {requested}: {text}"
+        return "; ".join([text, *off])
 
 
 def _percent(share: float) -> str:

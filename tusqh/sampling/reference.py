@@ -18,6 +18,7 @@ from tusqh.sampling.field import CrossingField
 from tusqh.sampling.inside import field_of
 from tusqh.sampling.lattice import Box, Lattice
 from tusqh.sampling.orient import orient
+from tusqh.sampling.snap import NEAR
 from tusqh.settings.sampling import Sampling
 
 #: Approximate number of samples, and the most along a side of a cell.
@@ -256,7 +257,8 @@ def _lattice(grid: BackgroundGrid, samples: int, window: Box | None) -> Lattice:
 def _lies_in(geometry: Surface, grid: BackgroundGrid, window: Box | None) -> bool:
     low, high = geometry.bounding_box()
     box_low, box_high = _box(grid, window)
-    slack = 1e-9 * grid.cell_size
+    # `snap` lays the grid on faces up to their rounding in the file.
+    slack = (NEAR if window is None else 1e-9) * grid.cell_size
     return bool(
         (np.array(low) >= box_low - slack).all() and (np.array(high) <= box_high + slack).all()
     )

@@ -9,6 +9,7 @@ from typing import Any, get_type_hints
 #: Names of limits, as keywords of `setting` and of JSON schema.
 _LIMITS = {
     "above": "exclusiveMinimum",
+    "below": "exclusiveMaximum",
     "at_least": "minimum",
     "at_most": "maximum",
     "multiple_of": "multipleOf",
@@ -120,8 +121,8 @@ def setting(sentence: str, *, default: Any = dataclasses.MISSING, **about: Any) 
     default
         The default; a class stands for its instance.  Without a default the setting is required.
     **about
-        `above`, `at_least`, `at_most` and `multiple_of` limit numbers; the others are parameters
-        of `Setting`.
+        `above`, `below`, `at_least`, `at_most` and `multiple_of` limit numbers; the others are
+        parameters of `Setting`.
 
     Examples
     --------

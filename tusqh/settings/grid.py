@@ -49,6 +49,32 @@ class Grid(Section):
         "place with the least error; `corner` lays it on the box. Over images it is not moved.",
         default="auto",
     )
+    offset: tuple[float, ...] | None = setting(
+        "How far the grid is moved along each axis from the corner of the box, instead of "
+        "`placement`.",
+        default=None,
+        otherwise="as `placement` says",
+        unit="cells",
+        above=-1,
+        below=1,
+        n_items=(2, 3),
+        metavar="X,Y,Z",
+        kinds=("outline", "surface"),
+    )
+    snap: bool = setting(
+        "Lay planes of the grid on plane faces of the geometry, instead of `placement`; where that "
+        "is necessary, cells become up to 1.5 times as large or small.",
+        default=False,
+        kinds=("outline", "surface"),
+    )
+
+    def find_contradictions(self) -> Iterator[tuple[Path, str, str]]:
+        """Yield settings that both place the grid."""
+        if self.snap and self.offset is not None:
+            yield (), "found `snap` and `offset`", "one of the two"
+        if self.snap and isinstance(self.cells, tuple):
+            found = f"found `snap` and cells of {list(self.cells)}"
+            yield (), found, "one number of cells, or `cell_size`: `snap` may change the size"
 
 
 @dataclass(frozen=True)

@@ -181,6 +181,7 @@ def describe_rule(schema: Mapping, definitions: Mapping) -> str:
         "exclusiveMinimum": "above {}",
         "minimum": "of at least {}",
         "maximum": "at most {}",
+        "exclusiveMaximum": "below {}",
         "multipleOf": "divisible by {}",
     }
     ranges = [text.format(schema[name]) for name, text in limits.items() if name in schema]

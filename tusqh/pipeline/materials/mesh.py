@@ -8,6 +8,7 @@ from typing import Any
 
 from tusqh.contacts import MaterialFractions
 from tusqh.errors import ConfigError
+from tusqh.geometry.remark import Remark
 from tusqh.pipeline.materials.gather import Gathered, gather, is_pair, require_known
 from tusqh.pipeline.materials.original import MaterialsOriginal
 from tusqh.pipeline.materials.remarks import leave_out, note_absent, note_scope, note_unsupported
@@ -109,6 +110,8 @@ def mesh_several(
     absent = note_absent(found.mesh, sampled.fractions, found.thresholds)
     remarks = gathered.remarks + absent + note_unsupported(settings)
     remarks += note_scope(goal, gathered.wishes)
+    if sampled.placement is not None:
+        remarks += (Remark("noted", f"grid, {sampled.placement}", 1),)
     return MaterialsResult(
         found.mesh,
         sampled.fractions,

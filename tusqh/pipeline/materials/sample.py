@@ -17,8 +17,9 @@ from tusqh.grid import FloatArray
 from tusqh.pipeline.materials.gather import Gathered, require_known
 from tusqh.sampling.inside_lengths import box_of_inside
 from tusqh.sampling.lattice import Box
-from tusqh.sampling.layout import lay_grid
+from tusqh.sampling.layout import lay_as_set
 from tusqh.sampling.memory import require_memory
+from tusqh.sampling.placement import Placement
 from tusqh.sampling.voxels import lay_on_voxels
 from tusqh.settings.materials import Material
 from tusqh.settings.model import Settings
@@ -37,11 +38,14 @@ class Sampled:
         model units, shape (m, m); None for labels, which do not overlap.
     left_out
         Optional materials without a sample in the window.
+    placement
+        How `snap` or `offset` placed the grid; None if they are not set.
     """
 
     fractions: MaterialFractions
     overlaps: FloatArray | None = None
     left_out: tuple[str, ...] = ()
+    placement: Placement | None = None
 
 
 def sample_materials(gathered: Gathered, settings: Settings, *, rest: str | None = None) -> Sampled:
@@ -81,7 +85,7 @@ def sample_materials(gathered: Gathered, settings: Settings, *, rest: str | None
         box = box_of_inside(surfaces[0], box, settings.sampling, settings.grid)
     else:
         box = settings.window.box
-    grid = lay_grid(surfaces[0], box, cells=settings.grid.cells, cell_size=settings.grid.cell_size)
+    grid, placement = lay_as_set(surfaces, box, settings.grid)
     require_memory(grid, "meshing of several materials", name="materials")
     window = None if settings.window is None else box
     found = fractions_of_surfaces(
@@ -93,7 +97,7 @@ def sample_materials(gathered: Gathered, settings: Settings, *, rest: str | None
         optional=gathered.optional if window is not None else (),
     )
     left_out = tuple(n for n in gathered.surfaces if n not in found.fractions.names)
-    return Sampled(found.fractions, found.overlaps, left_out)
+    return Sampled(found.fractions, found.overlaps, left_out, placement)
 
 
 def name_labels(wishes: Sequence[Material], rest: str | None = None) -> dict[int, str]:

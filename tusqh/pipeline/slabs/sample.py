@@ -22,7 +22,7 @@ from tusqh.pipeline.slabs.fractions import SlabFractions, Survey
 from tusqh.pipeline.slabs.limits import count_slabs
 from tusqh.progress import Progress
 from tusqh.sampling.fractions import require_samples
-from tusqh.sampling.layout import lay_grid
+from tusqh.sampling.layout import lay_as_set
 from tusqh.sampling.nothing_inside import nothing_inside
 from tusqh.sampling.orient import orient
 from tusqh.sampling.place import place_grid
@@ -127,7 +127,7 @@ def sample_in_slabs(
     """
     sampler = _Sampler(original, settings, folder, progress)
     options, sampling = original.grid, original.sampling
-    grid = lay_grid(sampler.geometry, sampler.box, cells=options.cells, cell_size=options.cell_size)
+    grid, placement = lay_as_set([sampler.geometry], sampler.box, options)
     volume = signed_volume(sampler.oriented) if sampling.domain == "inside" else None
     n_slabs = count_slabs(settings, grid, volume, name)
     threshold = settings.goal.threshold
@@ -145,8 +145,7 @@ def sample_in_slabs(
         )
     progress("placement")
     reference = find_reference(sampler.geometry, survey, sampling=sampling, window=sampler.box)
-    placement = None
-    if options.placement == "auto":
+    if placement is None and options.placement == "auto":
         placed, placement = place_grid(
             sampler.oriented,
             survey,
