@@ -36,13 +36,47 @@ def tabulate_curves(nodes: Multiples, kept: Merges, empty: Merges) -> pd.DataFra
         `betti_2` of that complex (raw: every pinch follows its own sub-cell fraction); `euler`, its
         Euler characteristic.
     """
-    levels = _levels(nodes)
+    euler = np.cumsum(count_euler(nodes)[::-1])[::-1]
+    return combine_counts(_levels(nodes), euler, (kept, empty), dim=nodes.ndim)
+
+
+def combine_counts(
+    levels: IntArray,
+    euler: IntArray,
+    merges: tuple[Merges, Merges],
+    *,
+    dim: int,
+    n_outside: int = 1,
+) -> pd.DataFrame:
+    """Return the Betti numbers that components and Euler characteristics give.
+
+    Parameters
+    ----------
+    levels
+        The distinct multiples of all nodes, with 0 and FULL, from high to low.
+    euler
+        Euler characteristic at every level, shape (FULL + 1,).
+    merges
+        Merges of the kept nodes and of their complement, whose multiples are FULL + 1 less those
+        of the nodes.
+    dim
+        Dimension of the complex.
+    n_outside
+        Number of components of the complement that enclose no hole or void.
+
+    Returns
+    -------
+    curves
+        See `tabulate_curves`.
+    """
+    kept, empty = merges
     upper, lower = levels[:-1], levels[1:]
-    euler = np.cumsum(count_euler(nodes)[::-1])[::-1][upper]
+    euler = euler[upper]
     components = _count_at_least(kept.birth, upper) - _count_at_least(kept.death, upper)
     outside = FULL + 2 - upper  # Lowest complement multiple of an absent node.
-    enclosed = _count_at_least(empty.birth, outside) - _count_at_least(empty.death, outside) - 1
-    if nodes.ndim == 2:
+    enclosed = _count_at_least(empty.birth, outside) - _count_at_least(empty.death, outside)
+    enclosed -= n_outside
+    if dim == 2:
         betti = [components, enclosed, np.zeros_like(components)]
     else:
         betti = [components, components + enclosed - euler, enclosed]
