@@ -181,6 +181,12 @@ _MESH_TO_VERDICT = (
         columns("x y z points what why"),
     ),
     ResultFile(
+        "patches",
+        "patches.csv",
+        "with `fit`: the smooth patch of the geometry to which every boundary facet belongs",
+        columns("element facet patch"),
+    ),
+    ResultFile(
         "elements",
         "elements.csv",
         "the statistics of the element metrics",
@@ -231,6 +237,12 @@ _USES = (
     ResultFile("export_gmsh", "export/mesh.msh", "the mesh for Gmsh, with physical groups"),
     ResultFile("export_exodus", "export/mesh.exo", "the mesh in Exodus II, with side sets"),
     ResultFile("export_abaqus", "export/mesh.inp", "the mesh for Abaqus, with surfaces"),
+    ResultFile(
+        "sets",
+        "sets.csv",
+        "the named sets of facets, points and elements in the exports",
+        columns("name kind number facets elements points area volume x y z meaning"),
+    ),
     ResultFile(
         "simulation",
         "simulation/concentration.pvd",

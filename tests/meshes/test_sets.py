@@ -9,20 +9,23 @@ from fields import noise_mesh
 from plates import plate_outline
 
 import tusqh
-from tusqh.errors import ConfigError
+from studies.methods.creased_solids import SOLIDS
+from tusqh.errors import ConfigError, MeshError
 from tusqh.fitting.midpoints import mover_onto
 from tusqh.geometry.soup import Soup
 from tusqh.meshes.choose_sets import Wish, name_sets, table_of_sets
 from tusqh.meshes.elements import Element
 from tusqh.meshes.facets import HEX_FACETS
-from tusqh.meshes.formats import Export, write_mesh
+from tusqh.meshes.formats import Export, make_content, write_mesh
 from tusqh.meshes.interfaces import facet_areas
 from tusqh.meshes.jacobians import element_volumes
 from tusqh.meshes.layer import extrude
+from tusqh.meshes.patches import number_patches, read_patches, table_of_patches
 from tusqh.meshes.quadratic import make_nodes
 from tusqh.meshes.sets import find_sets
 from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.meshes.walls import divide_boundary
+from tusqh.tables import write_csv
 
 
 def mesh_of_cells(cells, origin=0.0):
@@ -251,3 +254,41 @@ def test_a_layer_has_the_sets_of_its_quads():
         assert np.array_equal(corners, found.corners)
     once = [(e, k) for f in solid.once for e, k in zip(f.element, f.local, strict=True)]
     assert len(set(once)) == len(once) == len(hexes.boundary.corners)
+
+
+def test_each_face_of_a_turned_solid_is_a_patch():
+    """Every patch of two overlapping boxes is plane, and together they are the whole boundary."""
+    solid = SOLIDS["two_boxes"][0]().turned(2)
+    result = tusqh.mesh((solid.points, solid.triangles), cells=20, threshold=0.5, fit=True)
+    content = make_content(result.mesh, None, result.export())
+    patches = [found for found in content.sets.facets if found.kind == "patch"]
+    assert [found.name for found in patches] == [f"patch_{k}" for k in range(1, 13)]
+    areas = [facet_areas(result.mesh.points, found.corners).sum() for found in patches]
+    assert areas == sorted(areas, reverse=True)
+    assert sum(len(found.element) for found in patches) == len(result.mesh.boundary.element)
+    size = result.fractions.grid.cell_size
+    for found in patches:
+        places = result.mesh.points[np.unique(found.corners)]
+        off = np.linalg.svd(places - places.mean(axis=0))[1][2] / np.sqrt(len(places))
+        assert off < 0.15 * size
+
+
+def test_sides_between_corners_are_patches_in_the_plane():
+    ends = np.array([[0, 0], [3, 0.3], [2.7, 3.3], [-0.3, 3]])
+    lines = [[0, 1], [1, 2], [2, 3], [3, 0]]
+    result = tusqh.mesh((ends, lines), cells=16, threshold=0.5, fit=True)
+    content = make_content(result.mesh, None, result.export())
+    patches = [found for found in content.sets.facets if found.kind == "patch"]
+    lengths = [facet_areas(result.mesh.points, found.corners).sum() for found in patches]
+    assert np.allclose(lengths, np.hypot(3, 0.3), rtol=0.01)
+    assert len(patches) == 4
+
+
+def test_the_table_of_patches_gives_the_patches_again(tmp_path):
+    mesh = tusqh.mesh(np.ones((2, 2, 2)), cells=2, threshold=0.5).mesh
+    patch = np.where(mesh.boundary.attribute == 3, -1, mesh.boundary.attribute)
+    write_csv(tmp_path / "patches.csv", table_of_patches(mesh, patch))
+    assert (read_patches(tmp_path / "patches.csv", mesh) == number_patches(mesh, patch)).all()
+    (tmp_path / "patches.csv").write_text("element,facet,patch\n70,1,1\n")
+    with pytest.raises(MeshError, match="not a table of the patches of this mesh"):
+        read_patches(tmp_path / "patches.csv", mesh)

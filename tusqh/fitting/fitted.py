@@ -38,8 +38,9 @@ class Fitted:
     facts
         Numbers about the run, such as the seconds of each step.
     patch
-        Smooth patch of the surface to which each boundary facet belongs, in the order of
-        ``mesh.facets.boundary``, -1 for none, shape (f,); None: patches were not asked for.
+        Smooth patch of the surface to which each boundary facet belongs, in the plane the piece of
+        the outline between corners, in the order of ``mesh.facets.boundary``, -1 for none,
+        shape (f,); None: the boundary has no feature edges or corners.
     edges
         Ends of the feature edges, points of the mesh, shape (e, 2).
     """

@@ -15,6 +15,7 @@ from tusqh.fitting.fitted import Fitted
 from tusqh.fitting.left_out import list_left_out
 from tusqh.fitting.repair import CROSSING, FOLD, Faults, list_regions, pull_back, put_back
 from tusqh.fitting.rounds import Rounds
+from tusqh.fitting.skin import rows_of_facets
 from tusqh.fitting.target import Target
 from tusqh.grid import BoolArray, IntArray
 from tusqh.meshes.element_mesh import ElementMesh
@@ -78,10 +79,11 @@ def fit_hexes(
         name=mesh.name,
         unit=mesh.unit,
     )
-    distances = measure_distances(new, target, rounds.is_owned)
+    rows = rows_of_facets(new.facets.boundary, rounds.skin.vertices[rounds.skin.facets])
+    distances = measure_distances(new, target, rounds.is_owned[rows])
     fell_back = pd.concat([*regions, list_left_out(new, target)], ignore_index=True)
     features = rounds.features
-    patch = None if features is None else features.label
+    patch = None if features is None else features.label[rows]
     edges = rounds.skin.vertices[np.zeros((0, 2), int) if features is None else features.edges]
     return Fitted(new, distances, fell_back, {"seconds": perf_counter() - begin}, patch, edges)
 

@@ -130,6 +130,25 @@ class Skin:
         return np.asarray(points + np.where(near, 0.0, share)[:, None] * away)
 
 
+def rows_of_facets(wanted: IntArray, given: IntArray) -> IntArray:
+    """Return the row of every wanted facet among given ones, shape (f,).
+
+    Parameters
+    ----------
+    wanted, given
+        Corners of the same facets in two orders, shape (f, corners) each.
+
+    Examples
+    --------
+    >>> rows_of_facets(np.array([[1, 2], [0, 1]]), np.array([[1, 0], [2, 1]])).tolist()
+    [1, 0]
+    """
+    one, other = (np.lexsort(np.sort(facets, axis=1).T) for facets in (wanted, given))
+    rows = np.empty(len(one), dtype=np.int64)
+    rows[one] = other
+    return rows
+
+
 def unit(vectors: FloatArray) -> FloatArray:
     """Return vectors with unit length; those without a length stay zero.
 

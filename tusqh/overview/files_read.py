@@ -11,6 +11,7 @@ LINK_TITLES = {
     "export_gmsh": "for Gmsh",
     "export_exodus": "for Exodus",
     "export_abaqus": "for Abaqus",
+    "sets": "named sets in these",
     "certificate": "certificate",
     "diagram": "persistence diagram",
     "topologies": "all topologies",
@@ -27,7 +28,8 @@ LINK_TITLES_OF_FIT = {"fitted": "fitted mesh (VTU)", "fit": "record of the fit"}
 FILES_READ_OF_MATERIALS = ("certificate", "materials", "pairs", "verdict", "verification")
 LINK_TITLES_OF_MATERIALS = {
     name: LINK_TITLES[name]
-    for name in ("explorer", "mesh", "export_mfem", "export_gmsh", "export_exodus", "export_abaqus")
+    for name in LINK_TITLES
+    if name in ("explorer", "mesh", "sets") or name.startswith("export_")
 } | {
     "certificate": "certificate",
     "materials": "materials",

@@ -8,9 +8,11 @@ import numpy as np
 
 from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.soup import Soup
+from tusqh.grid import IntArray
 from tusqh.meshes.choose_sets import Wish
 from tusqh.meshes.elements import Element
 from tusqh.meshes.formats import Export
+from tusqh.meshes.patches import labels_of_patches
 from tusqh.meshes.sets import Labels
 from tusqh.meshes.volume_mesh import VolumeMesh
 
@@ -20,6 +22,7 @@ def export_of(
     geometry: Geometry | None = None,
     *,
     is_fitted: bool = False,
+    patch: IntArray | None = None,
     element: str | None = None,
     layer: float | None = None,
     sets: Sequence[str] = (),
@@ -34,6 +37,9 @@ def export_of(
         Its geometry; None: the boundary is not divided by it.
     is_fitted
         Whether its boundary was moved onto the geometry.
+    patch
+        Smooth patch of every boundary facet of a fitted mesh, see `tusqh.fitting.fitted.Fitted`;
+        None: it has none.
     element
         Kind of the elements, see `tusqh.meshes.elements.ELEMENTS`; None: linear.
     layer
@@ -57,7 +63,10 @@ def export_of(
         layer=layer,
         wishes=tuple(Wish.read(text) for text in sets),
         is_smooth=is_fitted,
-        labels=() if geometry is None else labels_of_input(mesh, geometry),
+        labels=(
+            *labels_of_patches(mesh, patch),
+            *(() if geometry is None else labels_of_input(mesh, geometry)),
+        ),
         mover=mover,
     )
 

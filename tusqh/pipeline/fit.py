@@ -24,6 +24,7 @@ from tusqh.grid import BackgroundGrid, BoolArray
 from tusqh.hashing import canonical_json, hash_file
 from tusqh.meshes.checks import Check
 from tusqh.meshes.export import write_vtu
+from tusqh.meshes.patches import table_of_patches
 from tusqh.meshes.volume_mesh import GRID_CELL, INNER_CELL, VolumeMesh
 from tusqh.pipeline.original import Original
 from tusqh.quality.fit_checks import FITTED, check_fit, check_volume_again, summarise_distances
@@ -32,7 +33,7 @@ from tusqh.tables import write_csv
 from tusqh.threshold.selection import Selection
 
 #: The files of the stage, by their names in `tusqh.files`.
-WRITTEN = ("fitted", "fit", "distances", "unfitted")
+WRITTEN = ("fitted", "fit", "distances", "unfitted", "patches")
 
 
 @dataclass(frozen=True)
@@ -133,6 +134,7 @@ class Fit:
         self.write_mesh(paths["fitted"])
         write_csv(paths["distances"], self.fitted.distances)
         write_csv(paths["unfitted"], self.fitted.fell_back)
+        write_csv(paths["patches"], table_of_patches(self.mesh, self.fitted.patch))
         write_text(paths["fit"], canonical_json(self.record(mesh, paths["fitted"])))
 
     def record(self, mesh: Path, fitted: Path) -> dict[str, Any]:

@@ -213,6 +213,7 @@ class Result:
             self.mesh,
             self.geometry,
             is_fitted=self.fit is not None and self.mesh is not self.staircase,
+            patch=None if self.fit is None else self.fit.fitted.patch,
             element=element,
             layer=layer,
             sets=sets,

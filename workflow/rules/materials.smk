@@ -17,6 +17,8 @@ rule materials:
 
 
 use rule export as export_materials with:
+    input:
+        **files("mesh"),
     wildcard_constraints:
         model=NAMES_OF_ASSEMBLIES,
 

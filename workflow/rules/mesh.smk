@@ -72,6 +72,7 @@ rule fit:
     output:
         **files("fitted", "fit"),
         **shown("distances", "unfitted"),
+        **files("patches"),
         timing="results/{model}/fit_timing.csv",
     wildcard_constraints:
         model="|".join(FITTED) or "(?!)",
@@ -102,10 +103,12 @@ rule coarsen:
 
 rule export:
     input:
-        **files("mesh"),
+        **files("geometry", "mesh"),
         fitted=of_fitted("fitted"),
+        patches=of_fitted("patches"),
     output:
         **files(*EXPORTS),
+        **shown("sets"),
     priority: MODELS_FIRST
     script:
         "../scripts/export.py"

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from tusqh.fitting.planar.patches import Patches, find_patches, label_sides
 from tusqh.fitting.planar.pillow import Layered, directions_of
@@ -123,6 +125,33 @@ class Boundary:
         return cls(
             layered, start, smoothed, attraction, patches, labels, is_held, is_corner, is_free
         )
+
+    def pieces(self, points: FloatArray) -> IntArray | None:
+        """Return the piece between corners to which every side belongs, shape (k,).
+
+        Parameters
+        ----------
+        points
+            Coordinates of the fitted mesh, shape (n, 2).
+
+        Returns
+        -------
+        pieces
+            The piece of every side, -1 where it belongs to no surface; None: there are no corners.
+        """
+        sides, before = self.layered.sides, self.layered.loop[0]
+        normals = directions_of(points, sides)
+        is_end = (normals * normals[before]).sum(axis=1) < _CORNER
+        is_end &= self.labels != self.labels[before]
+        is_end |= self.is_corner[sides[:, 0]]
+        if not is_end.any():
+            return None
+        side, joined = np.arange(len(sides)), ~is_end & ~self.is_held & ~self.is_held[before]
+        graph = coo_array(
+            (np.ones(joined.sum()), (side[joined], before[joined])), shape=(len(side),) * 2
+        )
+        number = connected_components(graph, directed=False)[1]
+        return np.where(self.is_held, -1, number).astype(np.int64)
 
     def goals(self, points: FloatArray, weight: float) -> Goals:
         """Return where the points should go from where they are now.

@@ -13,6 +13,7 @@ from tusqh.fitting.planar.boundary import Boundary, Goals
 from tusqh.fitting.planar.crossings import find_components, find_crossing_points, find_runs
 from tusqh.fitting.planar.energy import move_if_valid, sweep_points
 from tusqh.fitting.planar.pillow import Layered, add_layer
+from tusqh.fitting.skin import rows_of_facets
 from tusqh.fitting.target import Target, to_cells
 from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.meshes.jacobians import QUAD_NEIGHBOURS, smallest_jacobians
@@ -72,7 +73,11 @@ def fit_quads(mesh: VolumeMesh, target: Target, *, fixed: BoolArray | None = Non
         run.note(np.unique(layered.sides), "the staircase stays", "a quad would be invalid")
         return Fitted(mesh, measure_distances(mesh, target), run.rows(target))
     run.note_without(is_held)
-    return Fitted(fitted, measure_distances(fitted, target), run.rows(target))
+    pieces = boundary.pieces(run.points)
+    patch = None
+    if pieces is not None:
+        patch = pieces[rows_of_facets(fitted.facets.boundary, layered.sides)]
+    return Fitted(fitted, measure_distances(fitted, target), run.rows(target), patch=patch)
 
 
 @dataclass
