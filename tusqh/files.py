@@ -181,6 +181,15 @@ _MESH_TO_VERDICT = (
         columns("x y z points what why"),
     ),
     ResultFile(
+        "chains",
+        "chains.csv",
+        "with `fit`, in space: every chain of creases, how much of it was captured, and why not",
+        columns(
+            "patch_a patch_b length cells captured mean_distance max_distance from_boundary",
+            "min_scaled_jacobian x y z why",
+        ),
+    ),
+    ResultFile(
         "patches",
         "patches.csv",
         "with `fit`: the smooth patch of the geometry to which every boundary facet belongs",

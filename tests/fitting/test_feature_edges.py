@@ -1,11 +1,15 @@
 """Feature edges: creases of boxes at any rotation are captured, balls have none."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
 
 import tusqh
+from studies.methods.creased_solids import SOLIDS
 from tusqh.fitting import Target, fit_mesh
+from tusqh.fitting.chains import NO_EDGE, _length, find_creases, list_chains
 from tusqh.fitting.features import Features, _gaps, find_features
 from tusqh.fitting.patches import find_patches
 from tusqh.fitting.skin import Skin
@@ -49,6 +53,15 @@ def test_the_edges_of_a_turned_box_are_captured(seed):
     assert (find_nearest(drawn, along).distance < 0.1).mean() >= 0.99
     cells = fitted.distances[fitted.distances["unit"] == "cells"]
     assert cells["mean"].max() < 0.03
+    chains = list_chains(fitted, target)
+    sides = np.linalg.norm(creases[:, 1] - creases[:, 0], axis=1)
+    assert np.allclose(np.sort(chains["cells"]), np.sort(sides), rtol=0.03)
+    assert (chains["captured"] * chains["cells"]).sum() >= 0.98 * sides.sum()
+    assert (chains["why"] == "").eq(chains["captured"] == 1).all()
+    assert len(chains[["patch_a", "patch_b"]].drop_duplicates()) == 12
+    without = replace(fitted, edges=fitted.edges[:0], patch=None)
+    assert (list_chains(without, target)["captured"] == 0).all()
+    assert set(list_chains(without, target)["why"]) == {NO_EDGE}
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -66,6 +79,23 @@ def test_a_ball_has_no_features():
     ball = trimesh.creation.icosphere(subdivisions=4)
     mesh, target = mesh_of(ball, 14)
     assert features_of(mesh, target)[1] is None
+    assert len(find_creases(target).places) == 0
+
+
+@pytest.mark.parametrize("name", ["cylinder", "two_boxes", "bracket"])
+def test_creases_of_samples_are_the_true_ones(name):
+    """Also where two parts overlap, so that the crease is no edge of the file."""
+    solid = SOLIDS[name][0]().turned(5)
+    result = tusqh.mesh((solid.points, solid.triangles), cells=18, threshold=0.5)
+    target = Target.of(result.geometry, result.fractions)
+    found = find_creases(target)
+    true = to_cells(solid.creases.reshape(-1, 3), target.grid).reshape(-1, 2, 3)
+    away = find_nearest(make_tree(true[:, [0, 1, 1]]), found.places).distance
+    assert away.max() < 0.2
+    assert away.mean() < 0.01
+    lengths = np.linalg.norm(true[:, 1] - true[:, 0], axis=1)
+    of_chains = [_length(found.places[found.chain == k]) for k in np.unique(found.chain)]
+    assert sum(of_chains) == pytest.approx(lengths.sum(), rel=0.03)
 
 
 def test_a_short_gap_between_creases_of_two_patches_is_filled():

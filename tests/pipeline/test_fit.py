@@ -57,7 +57,7 @@ def test_without_the_setting_the_mesh_is_the_staircase(fitted):
 
 
 def test_the_files_are_those_of_the_map_and_both_meshes_pass_the_check(folder):
-    for name in ("mesh", "fitted", "fit", "distances", "unfitted", "patches"):
+    for name in ("mesh", "fitted", "fit", "distances", "unfitted", "patches", "chains"):
         assert path_of(name, folder).is_file()
     for name in ("mesh", "fitted"):
         code, said = check(path_of(name, folder))

@@ -69,9 +69,24 @@ def distances_back(mesh: ElementMesh, target: Target) -> FloatArray:
     target
         The surface.
     """
+    return distances_to_boundary(mesh, target, target.points)
+
+
+def distances_to_boundary(mesh: ElementMesh, target: Target, places: FloatArray) -> FloatArray:
+    """Return the distance of places from the boundary of a mesh, in cells, shape (n,).
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    target
+        The target, for its grid.
+    places
+        The places, in cells, shape (n, dim).
+    """
     points = to_cells(mesh.points, target.grid)
     boundary = make_tree(_in_space(_triangles(points[mesh.facets.boundary])))
-    return find_nearest(boundary, _pad(target.points)).distance
+    return find_nearest(boundary, _pad(places)).distance
 
 
 def on_sides(corners: FloatArray, target: Target) -> BoolArray:

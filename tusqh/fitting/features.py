@@ -16,9 +16,9 @@ from tusqh.fitting.target import Target
 from tusqh.grid import BoolArray, FloatArray, IntArray
 
 #: Creases bend by more than this, and patches join where normals differ by less, in degrees.
-_CREASE, _SMOOTH = 30.0, 35.0
+CREASE, SMOOTH = 30.0, 35.0
 #: Farthest patch from a feature edge, in cells, and fewest edges of a chain.
-_NEAR, _SHORTEST = 1.5, 4
+_NEAR, SHORTEST = 1.5, 4
 #: Weights with which vertices are spread along a chain, and beside its ends; planes of patches have
 #: 1.
 _SPREAD, _SPREAD_AT_END = 0.005, 0.1
@@ -186,7 +186,7 @@ def find_features(
     found
         The samples in bins, and the feature edges.
     """
-    patch = find_patches(target, _SMOOTH)
+    patch = find_patches(target, SMOOTH)
     if patch.max(initial=-1) < 1:
         return None
     bins = sort_samples(target.points, target.normals, patch)
@@ -215,7 +215,7 @@ def _crease_edges(bins: Bins, skin: Skin, places: FloatArray, label: IntArray) -
     normals = skin.normals(places)[0][edges].sum(axis=1) / 2
     one = find_samples(bins, middle, normals, _NEAR, label[facet], turn=0.1, reach=_NEAR)
     other = find_samples(bins, middle, normals, _NEAR, label[across], turn=0.1, reach=_NEAR)
-    bend = np.einsum("ek,ek->e", one.normals, other.normals) < np.cos(np.radians(_CREASE))
+    bend = np.einsum("ek,ek->e", one.normals, other.normals) < np.cos(np.radians(CREASE))
     is_crease = one.is_found & other.is_found & bend
     pair = np.sort(np.stack([label[facet], label[across]], axis=1), axis=1)
     return np.asarray(edges[is_crease | _gaps(edges, pair, is_crease)])
@@ -251,4 +251,4 @@ def _long_chains(edges: IntArray, n: int) -> IntArray:
     graph = coo_array((np.ones(len(edges)), tuple(edges.T)), shape=(n, n))
     number = connected_components(graph, directed=False)[1][edges[:, 0]]
     length = np.bincount(number, minlength=1)
-    return np.asarray(edges[length[number] >= _SHORTEST])
+    return np.asarray(edges[length[number] >= SHORTEST])

@@ -21,7 +21,7 @@ from tusqh.grid import BoolArray, FloatArray, IntArray
 #: Samples of a patch are linked over at most this length, in cells.
 _LINK = 0.7
 #: Smallest patch that counts, in cells squared.
-_LEAST_AREA = 12.0
+LEAST_AREA = 12.0
 #: Cost of an edge between facets of different patches, and of a facet without a patch.
 _BORDER, _FREE = 0.25, 2.0
 #: Farthest sample of a patch from a facet, in cells, and most patches that are tried for one.
@@ -40,9 +40,29 @@ def find_patches(target: Target, angle: float) -> IntArray:
     angle
         Largest angle between the normals of neighbours of a patch, in degrees.
     """
+    number, area = link_samples(target, angle)
+    name = np.where(area >= LEAST_AREA, np.cumsum(area >= LEAST_AREA) - 1, -1)
+    return np.asarray(name[number], dtype=np.int64)
+
+
+def link_samples(target: Target, angle: float) -> tuple[IntArray, FloatArray]:
+    """Return the smooth patch of every sample, of any size, and the areas of the patches.
+
+    Parameters
+    ----------
+    target, angle
+        See `find_patches`.
+
+    Returns
+    -------
+    number
+        The patch of every sample, shape (s,).
+    area
+        The area of every patch, in cells squared, shape (patches,).
+    """
     points, normals = target.points, target.normals
     if len(points) == 0:
-        return np.zeros(0, dtype=np.int64)
+        return np.zeros(0, dtype=np.int64), np.zeros(0)
     pairs = cKDTree(points).query_pairs(_LINK, output_type="ndarray")
     i, j = pairs.T
     away = points[j] - points[i]
@@ -56,8 +76,7 @@ def find_patches(target: Target, angle: float) -> IntArray:
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = np.linalg.norm(across, axis=1) / 2
     area = np.bincount(number[target.sample], weights=areas, minlength=int(number.max()) + 1)
-    name = np.where(area >= _LEAST_AREA, np.cumsum(area >= _LEAST_AREA) - 1, -1)
-    return np.asarray(name[number], dtype=np.int64)
+    return number.astype(np.int64), area
 
 
 def label_facets(bins: Bins, skin: Skin, places: FloatArray, is_owned: BoolArray) -> IntArray:

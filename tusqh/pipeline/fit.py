@@ -16,6 +16,7 @@ from tusqh import __version__
 from tusqh.atomic import write_text
 from tusqh.errors import MeshError
 from tusqh.fitting import Fitted, fit_mesh
+from tusqh.fitting.chains import list_chains
 from tusqh.fitting.distances import measure_distances
 from tusqh.fitting.fitted import FELL_BACK_COLUMNS
 from tusqh.fitting.of_geometry import target_of
@@ -33,7 +34,7 @@ from tusqh.tables import write_csv
 from tusqh.threshold.selection import Selection
 
 #: The files of the stage, by their names in `tusqh.files`.
-WRITTEN = ("fitted", "fit", "distances", "unfitted", "patches")
+WRITTEN = ("fitted", "fit", "distances", "unfitted", "patches", "chains")
 
 
 @dataclass(frozen=True)
@@ -85,6 +86,11 @@ class Fit:
         )
 
     @cached_property
+    def chains(self) -> pd.DataFrame:
+        """The creases of the geometry, see `tusqh.fitting.chains.list_chains`."""
+        return list_chains(self.fitted, self.target)
+
+    @cached_property
     def facts(self) -> dict[str, Any]:
         """Numbers that differ from those of the staircase, and those of the fit."""
         measured = self.mesh.measurement
@@ -134,6 +140,7 @@ class Fit:
         self.write_mesh(paths["fitted"])
         write_csv(paths["distances"], self.fitted.distances)
         write_csv(paths["unfitted"], self.fitted.fell_back)
+        write_csv(paths["chains"], self.chains)
         write_csv(paths["patches"], table_of_patches(self.mesh, self.fitted.patch))
         write_text(paths["fit"], canonical_json(self.record(mesh, paths["fitted"])))
 

@@ -71,7 +71,7 @@ rule fit:
         **files("geometry", "fractions", "selection", "mesh", "facts"),
     output:
         **files("fitted", "fit"),
-        **shown("distances", "unfitted"),
+        **shown("distances", "unfitted", "chains"),
         **files("patches"),
         timing="results/{model}/fit_timing.csv",
     wildcard_constraints:
