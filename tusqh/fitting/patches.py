@@ -76,7 +76,7 @@ def link_samples(target: Target, angle: float) -> tuple[IntArray, FloatArray]:
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = np.linalg.norm(across, axis=1) / 2
     area = np.bincount(number[target.sample], weights=areas, minlength=int(number.max()) + 1)
-    return number.astype(np.int64), area
+    return number.astype(np.int64), np.asarray(area, dtype=np.float64)
 
 
 def label_facets(bins: Bins, skin: Skin, places: FloatArray, is_owned: BoolArray) -> IntArray:
