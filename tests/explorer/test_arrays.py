@@ -6,9 +6,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from subjects import box_of, keys_of, make_subject, noise
 
+import tusqh
 from tusqh.antialias.cells import CellSets
 from tusqh.explorer import arrays
+from tusqh.explorer.distances import NONE, as_colours, boundary_distances
 from tusqh.geometry.image import Image
+from tusqh.geometry.outline import Outline
+from tusqh.grid import BackgroundGrid
+from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.settings.policy import Policy
 from tusqh.topology.clamping import FULL
 
@@ -163,3 +168,46 @@ def test_geometry_is_rounded_by_no_more_than_a_step(subject, monkeypatch):
 def test_images_have_no_surface_to_show(subject):
     image = Image(np.ones((2, 2, 2)))
     assert arrays.geometry_arrays(image, subject.fractions.grid)["pieces"].size == 0
+
+
+def test_facets_have_their_distance_from_the_geometry():
+    """A ball of radius 1 around a mesh whose points lie at other, known distances from it."""
+    turns = np.linspace(0, 2 * np.pi, 2000, endpoint=False)
+    ring = np.column_stack([np.cos(turns), np.sin(turns)])
+    outline = Outline(
+        ring, np.column_stack([np.arange(2000), np.roll(np.arange(2000), -1)]), "ring"
+    )
+    grid = BackgroundGrid(shape=(30, 30), cell_size=0.1, origin=(-1.5, -1.5))
+    corners = np.array([[0.9, 0.0], [0.0, 0.9], [-0.9, 0.0], [0.0, -0.97]])
+    mesh = VolumeMesh.from_arrays(corners, np.arange(4)[None])
+    found = boundary_distances(mesh, outline, grid)
+    middles = np.linalg.norm((corners + np.roll(corners, -1, axis=0)) / 2, axis=1)
+    assert found == pytest.approx((1 - middles) / 0.1, abs=1e-3)
+    shown = arrays.mesh_arrays(mesh, grid, distances=np.array([0.01, 0.1, np.nan, 0.05]))
+    assert shown["distance"].tolist() == [127]
+    nothing = arrays.mesh_arrays(mesh, grid, distances=np.full(4, np.nan))
+    assert nothing["distance"].tolist() == [NONE]
+
+
+def test_facets_where_a_window_cuts_have_no_distance():
+    outline = Outline(np.array([[1.0, 0.0], [1.0, 2.0]]), np.array([[0, 1]]), "line")
+    grid = BackgroundGrid(shape=(2, 2), cell_size=1.0, origin=(0.0, 0.0))
+    points = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 2.0], [0.0, 2.0]])
+    mesh = VolumeMesh.from_arrays(points, np.arange(4)[None])
+    found = boundary_distances(mesh, outline, grid)
+    on_line = (points[mesh.boundary.corners][..., 0] == 1).all(axis=1)
+    assert np.isnan(found).tolist() == (~on_line).tolist()
+    assert found[on_line] == pytest.approx(0)
+
+
+def test_each_facet_of_hexes_keeps_its_own_distance():
+    mesh = tusqh.mesh(np.ones((2, 1, 1)), cells=2, threshold=0.5).mesh
+    grid = BackgroundGrid(shape=(2, 1, 1), cell_size=1.0, origin=(0.0, 0.0, 0.0))
+    given = np.arange(len(mesh.boundary.corners)) / 100
+    shown = arrays.mesh_arrays(mesh, grid, distances=given)
+    others = np.pad(shown["corners"][:, 1:], ((0, 0), (1, 0)))
+    corners = np.cumsum(shown["corners"][:, :1], axis=0) + others
+    facets = np.sort(mesh.boundary.corners, axis=1).tolist()
+    of_facet = dict(zip(map(tuple, facets), as_colours(given).tolist(), strict=True))
+    for row, value in zip(corners.tolist(), shown["distance"].tolist(), strict=True):
+        assert value == of_facet.get(tuple(sorted(row)), NONE)

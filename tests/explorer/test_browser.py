@@ -11,6 +11,7 @@ from playwright.sync_api import sync_playwright
 from subjects import keys_of, make_subject, noise
 
 from tusqh.antialias.cells import CellSets
+from tusqh.explorer.distances import NONE, as_colours, boundary_distances
 from tusqh.explorer.page import make_page
 from tusqh.geometry.image import Image
 from tusqh.grid import BackgroundGrid
@@ -640,3 +641,28 @@ def options_in(line):
         elif word.startswith("--"):
             options[name] = words[k + 1]
     return options
+
+
+def test_a_fitted_boundary_is_coloured_by_its_distance(browser, subject, tmp_path):
+    path = tmp_path / "fitted.html"
+    path.write_text(make_page(replace(subject, is_fitted=True)), encoding="utf-8")
+    opened = Opened(browser, path)
+    opened.page.click("[data-view=mesh]")
+    opened.page.select_option("#colour", "distance")
+    drawn = """() => {
+      const { object, count } = explorer.layers.mesh;
+      return Array.from(object.geometry.attributes.quality.array.slice(0, 4 * count));
+    }"""
+    shown = opened.evaluate(drawn)
+    colours = as_colours(
+        boundary_distances(subject.mesh, subject.geometry, subject.fractions.grid)
+    ).tolist()
+    if subject.mesh.dim == 3:
+        assert sorted(shown[::4]) == sorted(colours)
+    else:
+        assert set(shown) <= {*colours, NONE}
+    assert "0.2 cells (0.1 mm) or more" in opened.text("#legend")
+    opened.page.select_option("#colour", "quality")
+    assert opened.evaluate(drawn) != shown
+    assert opened.messages == []
+    opened.page.close()

@@ -18,6 +18,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from tusqh.antialias.cells import CellSets
+from tusqh.explorer.distances import as_colours
 from tusqh.explorer.encode import smallest_unsigned
 from tusqh.geometry.image import Image
 from tusqh.geometry.kinds import Geometry
@@ -168,7 +169,12 @@ def pair_arrays(pairs: pd.DataFrame, grid: BackgroundGrid) -> Arrays:
     return arrays
 
 
-def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid, material: IntArray | None = None) -> Arrays:
+def mesh_arrays(
+    mesh: VolumeMesh,
+    grid: BackgroundGrid,
+    material: IntArray | None = None,
+    distances: FloatArray | None = None,
+) -> Arrays:
     """Return a mesh as facets between elements, so that the page can cut it open.
 
     Parameters
@@ -179,6 +185,9 @@ def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid, material: IntArray | Non
         The background grid on which it was made.
     material
         Material of every element, shape (m,); None: there is one.
+    distances
+        Distance of every boundary facet from the geometry, see
+        `tusqh.explorer.distances.boundary_distances`; None: it is not shown.
 
     Returns
     -------
@@ -189,12 +198,15 @@ def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid, material: IntArray | Non
         the difference from that of the previous facet; `second`: the other element minus the
         first, 0 if there is none.  For every element its `kind`, the grid `cell` in which it lies
         (as the difference from that of the previous element), and its smallest scaled Jacobian as
-        `quality`, 0..255; with several materials also its `material`.
+        `quality`, 0..255; with several materials also its `material`.  `distance` of every facet
+        (in 2D of every element, the largest of its sides), see
+        `tusqh.explorer.distances.as_colours`.
     """
     n = mesh.n_cells
     points = _in_cells(mesh.points, grid)
     if mesh.dim == 2:
         corners, first, second = mesh.cells, np.arange(n), np.arange(n)
+        at, n_rows = mesh.boundary.element, n
     else:
         facets = mesh.facets
         ordered = np.argsort(facets.unique, kind="stable")
@@ -211,6 +223,9 @@ def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid, material: IntArray | Non
                 is_hidden = is_inner & (material[first] == material[second])
             shown = np.setdiff1d(shown, np.flatnonzero(is_hidden))
         corners, first, second = corners[shown], first[shown], second[shown]
+        place = np.full(len(ordered), -1, dtype=np.int64)
+        place[row[shown]] = np.arange(len(shown))
+        at, n_rows = place[facets.on_boundary], len(shown)
     quality = mesh.jacobians.scaled
     arrays = {
         "points": points.astype(np.float32),
@@ -221,6 +236,10 @@ def mesh_arrays(mesh: VolumeMesh, grid: BackgroundGrid, material: IntArray | Non
         "cell": _steps(np.maximum(mesh.grid_cell, 0)),
         "quality": np.rint(255 * np.clip(quality, 0, 1)).astype(np.uint8),
     }
+    if distances is not None:
+        of_rows = np.full(n_rows, np.nan)
+        np.fmax.at(of_rows, at, distances)
+        arrays["distance"] = as_colours(of_rows)
     if material is not None:
         arrays["material"] = smallest_unsigned(material)
     # Neighbours on a grid have similar numbers, so differences compress five times better.

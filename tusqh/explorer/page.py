@@ -26,8 +26,11 @@ from tusqh.explorer.arrays import (
 )
 from tusqh.explorer.assets import STYLE, TEMPLATE, read_asset, read_script, read_three
 from tusqh.explorer.changes import changed_cells, offer_wishes
+from tusqh.explorer.distances import FARTHEST, boundary_distances
 from tusqh.explorer.encode import Packed, pack
 from tusqh.explorer.subject import Subject
+from tusqh.geometry.image import Image
+from tusqh.grid import FloatArray
 from tusqh.meshes.volume_mesh import KINDS
 from tusqh.quality.verdict import overall
 from tusqh.threshold.plateaus import BETTI
@@ -49,7 +52,7 @@ def make_page(subject: Subject) -> str:
         "field": pack(field_arrays(subject.fractions)),
         "plateaus": pack(plateau_arrays(cell_sets, subject.curves, subject.topologies)),
         "pairs": pack(pair_arrays(subject.diagram, grid)),
-        "mesh": pack(mesh_arrays(subject.mesh, grid)),
+        "mesh": pack(mesh_arrays(subject.mesh, grid, distances=_distances(subject))),
         "geometry": pack(geometry_arrays(subject.geometry, grid)),
     }
     changes, final = changed_cells(cell_sets, subject.selection, subject.mesh)
@@ -148,6 +151,7 @@ def describe(subject: Subject) -> dict[str, Any]:
     return {
         "name": subject.name,
         "unit": subject.unit,
+        "farthest": [FARTHEST, FARTHEST * grid.cell_size],
         "grid": grid.to_dict(),
         "chosen": {"threshold": selection.threshold, "reason": selection.reason},
         "verdict": overall(subject.tables["verdict"]),
@@ -172,6 +176,13 @@ def describe(subject: Subject) -> dict[str, Any]:
             for name, table in subject.tables.items()
         },
     }
+
+
+def _distances(subject: Subject) -> FloatArray | None:
+    """Return the distances of a fitted boundary, None where the page does not show them."""
+    if not subject.is_fitted or isinstance(subject.geometry, Image):
+        return None
+    return boundary_distances(subject.mesh, subject.geometry, subject.fractions.grid)
 
 
 def to_rows(table: pd.DataFrame) -> dict[str, Any]:

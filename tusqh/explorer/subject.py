@@ -62,6 +62,8 @@ class Subject:
         The mesh at that threshold.
     tables
         The tables named in `TABLES_SHOWN`, by name.
+    is_fitted
+        Whether the boundary of the mesh was moved onto the geometry.
     """
 
     name: str
@@ -76,6 +78,7 @@ class Subject:
     selection: Selection
     mesh: VolumeMesh
     tables: dict[str, pd.DataFrame]
+    is_fitted: bool = False
 
 
 def subject_of(result: Result, *, geometry: str, up: Axis | None = None) -> Subject:
@@ -110,6 +113,7 @@ def subject_of(result: Result, *, geometry: str, up: Axis | None = None) -> Subj
             "features": cells.features,
             "bridges": cells.bridge_table,
         },
+        is_fitted=result.fit is not None,
     )
 
 
@@ -176,6 +180,7 @@ def read_subject(
         selection=Selection.from_dict(chosen),
         mesh=mesh,
         tables={table: pd.read_csv(paths[table]) for table in TABLES_SHOWN},
+        is_fitted=fitted,
     )
 
 

@@ -77,6 +77,8 @@ class MeshLayer {
     this.first = accumulate(arrays.first);
     this.second = arrays.second;
     this.quality = arrays.quality;
+    this.distance = arrays.distance; // Of every facet; only of fitted meshes.
+    this.byDistance = false;
     this.cell = accumulate(arrays.cell);
     for (let f = 0, before = 0; f < this.corners.length; f += 4) {
       this.corners[f] = before += this.corners[f];
@@ -93,6 +95,7 @@ class MeshLayer {
 
   /** Show the boundary of those elements that lie in the window and are not hidden. */
   update(window) {
+    this.window = window;
     const { geometry } = this.object;
     const [place, tint, quality] = ['place', 'tint', 'quality'].map((a) => geometry.attributes[a].array);
     const isWhole = !window && !this.hidden.includes(true);
@@ -123,14 +126,21 @@ class MeshLayer {
         place[at + 2] = this.dim === 3 ? this.points[p + 2] : 1;
         tint.set(colour, at);
       }
-      quality.fill(this.quality[inner], 4 * n, 4 * n + 4);
+      const value = this.byDistance ? this.distance[f] : this.quality[inner];
+      quality.fill(value, 4 * n, 4 * n + 4);
       n += 1;
     }
     this.count = n;
     drawFirst(geometry, n);
   }
 
-  colourBy(mode) { this.object.material.uniforms.byQuality.value = mode === 'quality' ? 1 : 0; }
+  colourBy(mode) {
+    const byDistance = mode === 'distance';
+    this.object.material.uniforms.byQuality.value = byDistance ? 2 : Number(mode === 'quality');
+    if (byDistance === this.byDistance) return;
+    this.byDistance = byDistance;
+    this.update(this.window);
+  }
 }
 
 /** Return the unrepaired geometry: lines above the cells in the plane, triangles in space. */

@@ -27,6 +27,7 @@ class Explorer {
       { cells: blocks.changes.left_out, colour: COLOURS.leftOut },
     ];
     this.hasGeometry = blocks.geometry.pieces.length > 0; // Images and huge files have none.
+    this.hasDistance = blocks.mesh.distance !== undefined; // Of fitted meshes.
     this.makeStage(blocks);
     this.makePanels(blocks);
     this.makeControls();
@@ -190,7 +191,10 @@ class Explorer {
     }
     const modes = {
       cells: [['plain', 'plain'], ['fraction', 'volume fraction']],
-      mesh: [['plain', 'templates'], ['quality', 'scaled Jacobian']],
+      mesh: [
+        ['plain', 'templates'], ['quality', 'scaled Jacobian'],
+        ...(this.hasDistance ? [['distance', 'distance']] : []),
+      ],
       geometry: [['plain', this.isFlat ? 'plain' : 'front and back']],
     }[view];
     byId('cut-axis').disabled = view === 'geometry';
@@ -420,9 +424,10 @@ class Explorer {
       if (this.facts.has_filled) items.push(legendEntry(COLOURS.filled, this.isFlat ? 'filled holes' : 'filled voids'));
       items.push(...outline);
     } else if (this.view === 'mesh') {
-      items = mode === 'quality' ? legendScale('0', '1', 'least scaled Jacobian [-]') : this.facts.kinds.map(
-        ({ name, index, count }) => legendEntry(KIND_COLOURS[index], `${name} (${show(count)})`),
-      );
+      const [cells, units] = this.facts.farthest.map((length) => show(length, 3));
+      if (mode === 'quality') items = legendScale('0', '1', 'least scaled Jacobian [-]');
+      else if (mode === 'distance') items = legendScale('0', `${cells} cells (${units} ${this.facts.unit}) or more`, 'distance of the boundary from the geometry');
+      else items = this.facts.kinds.map(({ name, index, count }) => legendEntry(KIND_COLOURS[index], `${name} (${show(count)})`));
       const { added, left_out: leftOut, base } = this.facts.final;
       if (added) items.push(legendEntry(COLOURS.added, `cells added to those of ${show(base)} (${show(added)})`));
       if (leftOut) items.push(legendEntry(COLOURS.leftOut, `cells of ${show(base)} left out (${show(leftOut)})`));

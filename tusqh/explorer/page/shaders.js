@@ -104,7 +104,8 @@ function elementMaterial() {
         at = vec2(turn == 1u || turn == 2u, turn >= 2u);
         place3 = place;
         colour = tint;
-        value = byQuality > 0.5 ? quality : -1.0;
+        bool isNone = byQuality > 1.5 && quality > 0.998; // NONE in tusqh/explorer/distances.py
+        value = byQuality > 0.5 && !isNone ? quality : -1.0;
         gl_Position = projectionMatrix * viewMatrix * vec4(place, 1.0);
       }`,
     fragmentShader: `${LIGHT_AND_LINES}
