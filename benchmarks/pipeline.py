@@ -2,17 +2,21 @@
 
 Each case runs in a fresh process, after a small mesh that compiles or loads everything.  Stages are
 those that `tusqh.mesh` reports, and the total is their sum.  `seconds` pass by a clock, and
-`processor_seconds` add up those of all cores, which other programs disturb less.  The report, the
-file and its certificate follow, which `tusqh.mesh` leaves out until they are asked for, then the
-persistence diagram and other programs, which need too much memory on large grids.  These do
-comparable steps on the same data in the same process: automesh makes hexes of the kept cells
-without resolving pinches, gudhi pairs the cells without sub-cells (a smaller complex), pymeshlab
-examines the boundary, and VTK writes the file.
+`processor_seconds` add up those of all cores, which other programs disturb less; `load` is the load
+average of the machine before the case.  The report, the file and its certificate follow, which
+`tusqh.mesh` leaves out until they are asked for, then curves, the persistence diagram and other
+programs, which need too much memory on large grids.  These do comparable steps on the same data in
+the same process: automesh makes hexes of the kept cells without resolving pinches, gudhi and
+cripser pair the cells without sub-cells (a smaller complex), pymeshlab examines the boundary, VTK
+measures the elements, and meshio and VTK write the points and elements alone.
+
+The table keeps the rows of cases that were measured before and not now.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import multiprocessing
 import os
 import tempfile
@@ -22,13 +26,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import meshio
 import numpy as np
 import pandas as pd
 import psutil
 
 import tusqh
 from benchmarks.meshing import BUNNY, THRESHOLD, mesh_automesh
-from benchmarks.topology import pair_cubical
+from benchmarks.topology import curves_cubical, pair, pair_cripser, tabulate_curves
 from tusqh.certificate import make_certificate
 from tusqh.pipeline.result import Result
 from tusqh.progress import Report
@@ -39,7 +44,7 @@ from tusqh.tables import write_csv
 RESULT = Path("results/benchmarks/pipeline.csv")
 COLUMNS = [
     *("model", "cells", "goal", "stage", "seconds", "processor_seconds", "peak_gb"),
-    *("kept_cells", "elements"),
+    *("kept_cells", "elements", "load"),
 ]
 GOALS: dict[str, dict[str, Any]] = {
     "threshold 1/2": {"threshold": THRESHOLD},
@@ -91,7 +96,8 @@ class Stages:
 
 def run_case(cells: int, goal: str, peers: bool) -> pd.DataFrame:
     """Return the rows of one case; the total comes last and is that of `tusqh.mesh` alone."""
-    tusqh.mesh(BUNNY, cells=12, **GOALS[goal])
+    load = os.getloadavg()[0]
+    small = tusqh.mesh(BUNNY, cells=12, **GOALS[goal])
     stages = Stages()
     result = tusqh.mesh(BUNNY, cells=cells, progress=stages, **GOALS[goal])
     stages.stop()
@@ -100,6 +106,7 @@ def run_case(cells: int, goal: str, peers: bool) -> pd.DataFrame:
     after = Stages()
     show(result, after)
     if peers:
+        run_peers(small, lambda what: None)
         run_peers(result, after)
     after.stop()
     rows = [row for row in (*stages.rows, *after.rows, total) if row[0] != "start"]
@@ -110,6 +117,7 @@ def run_case(cells: int, goal: str, peers: bool) -> pd.DataFrame:
         "goal": goal,
         "kept_cells": result.built.facts["cells_kept"],
         "elements": result.mesh.n_cells,
+        "load": load,
     }
     return table.assign(**facts)[COLUMNS].round(4)
 
@@ -129,19 +137,31 @@ def show(result: Result, stages: Stages) -> None:
         make_certificate(result.selection, cells, path, fractions, name=result.name)
 
 
-def run_peers(result: Result, stages: Stages) -> None:
-    """Pair the classes, and do comparable steps with other programs."""
-    stages("persistence diagram")
-    _ = result.diagram
-    stages("gudhi, cells only: persistence diagram")
-    pair_cubical(result.fractions.values)
-    stages("automesh: mesh")
-    mesh_automesh(result.fractions)
-    stages("pymeshlab: checks of the boundary")
+def run_peers(result: Result, begin: Callable[[str], object]) -> None:
+    """Count and pair the classes, and do comparable steps with other programs."""
+    values = result.fractions.values
+    begin("Betti numbers of all thresholds")
+    tabulate_curves(values)
+    begin("persistence diagram")
+    pair(values)
+    begin("gudhi, cells only: diagram and Betti numbers")
+    curves_cubical(values)
+    if importlib.util.find_spec("cripser"):
+        begin("cripser, cells only: diagram")
+        pair_cripser(values)
+    if importlib.util.find_spec("automesh"):
+        begin("automesh: mesh")
+        mesh_automesh(result.fractions)
+    begin("pymeshlab: checks of the boundary")
     surface_measures(result.mesh)
-    stages("VTK: file")
+    begin("VTK: Jacobians of the elements")
+    mesh = result.mesh.to_pyvista()
+    mesh.cell_quality("scaled_jacobian")
     with tempfile.TemporaryDirectory() as folder:
-        result.mesh.to_pyvista().save(Path(folder) / "mesh.vtu")
+        begin("VTK: file")
+        mesh.save(Path(folder) / "vtk.vtu")
+        begin("meshio: file")
+        meshio.vtu.write(Path(folder) / "meshio.vtu", result.mesh.to_meshio(), binary=True)
 
 
 def in_fresh_process(function: Callable[..., pd.DataFrame], *arguments: Any) -> pd.DataFrame:
@@ -150,13 +170,31 @@ def in_fresh_process(function: Callable[..., pd.DataFrame], *arguments: Any) -> 
         return pool.apply(function, arguments)
 
 
+def with_others(table: pd.DataFrame, path: Path) -> pd.DataFrame:
+    """Return a table after the rows of a file that belong to other cases."""
+    case = ["model", "cells", "goal"]
+    if not path.is_file():
+        return table
+    stored = pd.read_csv(path)
+    measured = set(table[case].itertuples(index=False, name=None))
+    others = [row not in measured for row in stored[case].itertuples(index=False, name=None)]
+    both = pd.concat([stored[others], table], ignore_index=True)
+    return both.sort_values(
+        ["model", "goal", "cells"], ascending=[True, False, True], kind="stable"
+    )
+
+
 def to_markdown(table: pd.DataFrame) -> str:
     """Return the processor time of each stage, a row, in each case, a column, and the memory."""
     cases = table.assign(case=table["goal"] + ", " + table["cells"].astype(str) + " cells")
     wide = cases.pivot_table("processor_seconds", "stage", "case", aggfunc="sum", sort=False)
     memory = cases[cases["stage"] == "total"].set_index("case")["peak_gb"]
-    last = wide.loc[["total"]]
-    wide = pd.concat([wide.drop("total"), last])
+    of_mesh = [
+        list(dict.fromkeys(stages))[: list(dict.fromkeys(stages)).index("report")]
+        for _, stages in cases.groupby("case")["stage"]
+    ]
+    order = [*max(of_mesh, key=len), *(stage for stage in wide.index if stage != "total"), "total"]
+    wide = wide.reindex(list(dict.fromkeys(order)))
     words = wide.map(lambda seconds: "-" if pd.isna(seconds) else f"{seconds:.3g} s")
     words.loc["memory"] = [f"{memory[case]:.2g} GB" for case in words.columns]
     return words.rename_axis("stage").reset_index().to_markdown(index=False)
@@ -178,6 +216,9 @@ def main() -> None:
         "--no-peers", action="store_true", help="leave out the diagram and other programs"
     )
     given = parser.parse_args()
+    for name in ("automesh", "cripser"):
+        if not given.no_peers and not importlib.util.find_spec(name):
+            print(f"{name} is not installed, so it is left out: pip install -e '.[peers]'")
     tables = []
     for cells in given.cells:
         for goal in given.goals:
@@ -190,7 +231,7 @@ def main() -> None:
         columns = totals[["kept_cells", "processor_seconds"]]
         power = np.polyfit(*np.log(columns.to_numpy().T), 1)[0]
         print(f"total: processor seconds grow with kept cells to the power {power:.2f}")
-    write_csv(RESULT, table)
+    write_csv(RESULT, with_others(table, RESULT))
     print(to_markdown(table))
 
 

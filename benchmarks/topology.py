@@ -58,6 +58,26 @@ def pair_cubical(values: FloatArray) -> object:
     return gudhi.CubicalComplex(vertices=-cells).persistence(homology_coeff_field=2)
 
 
+def curves_cubical(values: FloatArray) -> object:
+    """Pair the cells alone with gudhi, and count the classes between all distinct fractions."""
+    levels = np.unique(values[1::2, 1::2, 1::2])
+    ends = {k: ([], []) for k in range(3)}  # type: dict[int, tuple[list[float], list[float]]]
+    for k, (birth, death) in pair_cubical(values):  # type: ignore[attr-defined]
+        ends[k][0].append(-birth)
+        ends[k][1].append(-death)
+    return [
+        np.searchsorted(np.sort(deaths), levels) - np.searchsorted(np.sort(births), levels)
+        for births, deaths in ends.values()
+    ]
+
+
+def pair_cripser(values: FloatArray) -> object:
+    """Pair the cells alone with cripser, as vertices of a cubical complex."""
+    import cripser
+
+    return cripser.computePH(-values[1::2, 1::2, 1::2], maxdim=2)
+
+
 def cost_of(call: object, n: int) -> Cost:
     """Return the cost of a call on n^3 cells."""
     return measure(white_noise, call, (4,), n)  # type: ignore[arg-type]
