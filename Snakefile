@@ -24,6 +24,7 @@ rule all:
         *files_of_all_models(*EXPORTS, "simulation", "defects", "explorer").values(),
         *files_of_coarsened_models("coarse", "coarse_mfem").values(),
         *files_of_assemblies(*EXPORTS, "certificate", "figure_materials", "explorer").values(),
+        *files_of_models_in_slabs("slab_mesh", "certificate", "verdict", "defects").values(),
         expand(files("simulation")["simulation"], model=SIMULATED),
         "results/report/index.html",
         paper_targets(),
@@ -37,6 +38,7 @@ rule models:
         *files_of_fitted_models("fitted", "fit").values(),
         *files_of_coarsened_models("coarse", "coarse_mfem").values(),
         *files_of_assemblies("mesh", "certificate", "verdict", "explorer", *EXPORTS).values(),
+        *files_of_models_in_slabs("slab_mesh", "certificate", "verdict").values(),
 
 
 include: "workflow/rules/ingest.smk"
@@ -46,6 +48,7 @@ include: "workflow/rules/mesh.smk"
 include: "workflow/rules/quality.smk"
 include: "workflow/rules/simulate.smk"
 include: "workflow/rules/materials.smk"
+include: "workflow/rules/slabs.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/theory.smk"

@@ -241,6 +241,21 @@ _MATERIALS = (
     ResultFile("figure_materials", "figures/materials.png", "the mesh, coloured by material"),
 )
 
+_SLABS = (
+    ResultFile("slab_grid", "slabs/grid.json", "with `slabs`: the grid, and how it was placed"),
+    ResultFile(
+        "slab_contacts",
+        "slabs/contacts.npz",
+        "with `slabs`: the decisions at contacts, by slab",
+    ),
+    ResultFile(
+        "slab_fractions",
+        "fractions.json",
+        "with `slabs`: the files of the fractions, by slab",
+    ),
+    ResultFile("slab_mesh", "mesh.pvtu", "with `slabs`: the mesh in pieces, for ParaView"),
+)
+
 _USES = (
     ResultFile("export_mfem", "export/mesh.mesh", "the mesh for MFEM"),
     ResultFile("export_gmsh", "export/mesh.msh", "the mesh for Gmsh, with physical groups"),
@@ -297,7 +312,14 @@ _FIGURES = (
 #: Every file of a model's results by name, in the order in which the workflow makes them.
 RESULT_FILES = {
     file.name: file
-    for file in (*_GEOMETRY_TO_SELECTION, *_MESH_TO_VERDICT, *_MATERIALS, *_USES, *_FIGURES)
+    for file in (
+        *_GEOMETRY_TO_SELECTION,
+        *_MESH_TO_VERDICT,
+        *_MATERIALS,
+        *_SLABS,
+        *_USES,
+        *_FIGURES,
+    )
 }
 
 #: Tables over all models, with their path below ``results``.

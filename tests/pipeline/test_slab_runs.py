@@ -224,9 +224,18 @@ def test_python_takes_slabs_with_an_output(tmp_path):
         tusqh.mesh([ring()], cells=12, slabs=2, output="a.vtu")
 
 
-def test_the_configuration_of_the_workflow_refuses_slabs():
+@pytest.mark.parametrize(
+    ("options", "found"),
+    [
+        ({"target": {"betti_0": 1}, "fit": True}, "found 4 with `target` and `fit`"),
+        ({"materials": "parts"}, "found 4 with several materials"),
+    ],
+)
+def test_the_configuration_refuses_what_needs_the_whole_mesh(options, found):
     block = {"models": {"a": {"geometry": "a.stl", "slabs": 4}}}
-    with pytest.raises(ConfigError, match="the workflow has no slabs"):
+    assert Workflow.from_dict(block).models["a"].settings.memory.slabs == 4
+    block["models"]["a"] |= options
+    with pytest.raises(ConfigError, match=rf"models\.a\.slabs: {found}"):
         Workflow.from_dict(block)
 
 

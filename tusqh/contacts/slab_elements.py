@@ -78,14 +78,36 @@ def emit_slab(
     left_out
         A material without elements; None: all have elements.
     """
-    n = decision.labels.shape[0]
+    return emit_window(window_of(decision, grid, slab), grid, slab, left_out=left_out)
+
+
+def window_of(decision: SpatialDecision, grid: BackgroundGrid, slab: Slab) -> SpatialDecision:
+    """Return the part of the decision of a whole grid that the elements of a slab depend on.
+
+    Parameters
+    ----------
+    decision, grid, slab
+        See `emit_slab`.
+    """
+    return _cut(decision, *_bounds(grid, slab)[2:])
+
+
+def emit_window(
+    window: SpatialDecision, grid: BackgroundGrid, slab: Slab, *, left_out: int | None = None
+) -> SlabElements:
+    """Return the elements of a slab from its part of the decision.
+
+    Parameters
+    ----------
+    window
+        What `window_of` returns.
+    grid, slab, left_out
+        See `emit_slab`.
+    """
+    begin, end, low, high = _bounds(grid, slab)
     is_first, is_last = slab.begin == 0, slab.end == grid.shape[0]
-    begin = 0 if is_first else slab.begin + LAYERS
-    end = n if is_last else slab.end + LAYERS
-    low, high = max(begin - _AROUND, 0) // 2 * 2, min(end + _AROUND, n)
     whole = grid.padded().padded()
     part = replace(whole, shape=(high - low, *whole.shape[1:]))
-    window = _cut(decision, low, high)
     emitter = emit_elements(window, part, left_out=left_out, first=low)
     found = emitter.collect()
     per_layer = int(np.prod(part.shape[1:]))
@@ -108,6 +130,14 @@ def emit_slab(
         kind=name_side_balls(found.kind, found.owner, window.field, part)[own],
         grid_cell=_cells_of_grid(owner, part.shape, low, grid.shape),
     )
+
+
+def _bounds(grid: BackgroundGrid, slab: Slab) -> tuple[int, int, int, int]:
+    """Return the layers of a slab and of its window in the grid with layers of void."""
+    n = grid.shape[0] + 2 * LAYERS
+    begin = 0 if slab.begin == 0 else slab.begin + LAYERS
+    end = n if slab.end == grid.shape[0] else slab.end + LAYERS
+    return begin, end, max(begin - _AROUND, 0) // 2 * 2, min(end + _AROUND, n)
 
 
 def _cut(decision: SpatialDecision, low: int, high: int) -> SpatialDecision:

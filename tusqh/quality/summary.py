@@ -10,7 +10,10 @@ from tusqh.quality.verdict import overall
 
 
 def summarise_model(
-    facts: dict[str, Any], verdict: pd.DataFrame, amount: pd.DataFrame, defects: pd.DataFrame
+    facts: dict[str, Any],
+    verdict: pd.DataFrame,
+    amount: pd.DataFrame | None,
+    defects: pd.DataFrame,
 ) -> dict[str, Any]:
     """Return one row of the summary over all models.
 
@@ -21,7 +24,7 @@ def summarise_model(
     verdict
         The checks of the mesh.
     amount
-        The table of the simulation's snapshots.
+        The table of the simulation's snapshots; None: the mesh is in slabs and not simulated.
     defects
         The defects of the geometry; if a surface is balanced, its signed volume is exact.
     """
@@ -31,6 +34,7 @@ def summarise_model(
         exact = float(defects.loc[defects["defect"] == "signed_volume", "measure"].iloc[0])
         winding_over_exact = facts["winding_volume"] / abs(exact)
     found = dict(zip(verdict["id"], verdict["found"], strict=True))
+    error = float("nan") if amount is None else float(amount["amount_relative_error"].abs().max())
     return {
         "model": facts["model"],
         "material": "all",
@@ -53,7 +57,8 @@ def summarise_model(
         "min_scaled_jacobian": float(found.get("scaled_jacobian", "nan")),
         "mean_distance": facts.get("fit", {}).get("mean_distance", float("nan")),
         "fell_back": facts.get("fit", {}).get("fell_back", float("nan")),
-        "amount_relative_error": float(amount["amount_relative_error"].abs().max()),
+        "amount_relative_error": error,
+        "slabs": facts.get("slabs", 1),
         "verdict": overall(verdict),
     }
 
@@ -144,6 +149,7 @@ def summarise_materials(
                 "winding_over_exact": float("nan"),
                 "min_scaled_jacobian": float(row["min_scaled_jacobian"]),
                 "amount_relative_error": error if is_whole else float("nan"),
+                "slabs": 1,
                 "verdict": overall(own),
             }
         )

@@ -69,9 +69,24 @@ def estimate_slabs(n_cells: int, n_kept: int, n_slabs: int) -> int:
     >>> round(estimate_slabs(512**3, 512**3 // 4, 8) / 1e9, 1)
     4.1
     """
-    per_cell, per_cell_of_slab, per_kept = _SLABS
-    of_slab = n_cells * per_cell_of_slab + n_kept * per_kept
-    return _LEAST_OF_SLABS + n_cells * per_cell + of_slab // n_slabs
+    return n_cells * _SLABS[0] + estimate_slab(n_cells, n_kept, n_slabs)
+
+
+def estimate_slab(n_cells: int, n_kept: int, n_slabs: int) -> int:
+    """Return the memory in bytes that one of several slabs needs alone, as a job of its own.
+
+    Parameters
+    ----------
+    n_cells, n_kept, n_slabs
+        See `estimate_slabs`.
+
+    Examples
+    --------
+    >>> round(estimate_slab(512**3, 512**3 // 4, 8) / 1e9, 1)
+    1.4
+    """
+    _, per_cell_of_slab, per_kept = _SLABS
+    return _LEAST_OF_SLABS + (n_cells * per_cell_of_slab + n_kept * per_kept) // n_slabs
 
 
 def require_memory(

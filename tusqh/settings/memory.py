@@ -18,7 +18,7 @@ class Memory(Section):
     slabs: int | Literal["auto"] | None = setting(
         "Number of slabs in which a large mesh of a surface is made, with less memory and the same "
         "result; `auto` takes the smallest number that fits. The threshold must be given or is "
-        "1/2. The workflow has no slabs.",
+        "1/2. In the workflow, each slab is a job of its own.",
         default=None,
         otherwise="in one piece",
         at_least=1,

@@ -72,6 +72,25 @@ class Settings(Section):
         "How a mesh that does not fit into memory is made.", default=Memory, is_inline=True
     )
 
+    def find_unavailable_in_slabs(self) -> Iterator[str]:
+        """Yield what is asked for but needs the whole mesh, so that slabs do not have it."""
+        for key in ("target", "persistence", "volume", "features"):
+            if getattr(self.goal, key) is not None:
+                yield f"`{key}`"
+        if self.policy.bridges not in (None, "none"):
+            yield "`bridges`"
+        for key in ("components", "holes", "voids"):
+            if not getattr(self.policy, key).keeps_all:
+                yield f"`{key}`"
+        if self.sampling.inside != "winding":
+            yield "`inside`"
+        if self.fitting.fit:
+            yield "`fit`"
+        if self.coarsening.coarsen is not None:
+            yield "`coarsen`"
+        if self.quality.checks is not None:
+            yield "`checks: all`"
+
 
 @dataclass(frozen=True)
 class Model(Section):
@@ -160,8 +179,11 @@ class Model(Section):
         if self.has_several_materials and self.settings.coarsening.coarsen is not None:
             yield ("coarsen",), "found 'interior'", "none: several materials are not coarsened yet"
         if self.settings.memory.slabs is not None:
-            expected = "nothing: the workflow has no slabs; `tusqh mesh --slabs` has them"
-            yield ("slabs",), f"found {self.settings.memory.slabs!r}", expected
+            wrong = list(self.settings.find_unavailable_in_slabs())
+            wrong += ["several materials"] if self.has_several_materials else []
+            if wrong:
+                found = f"found {self.settings.memory.slabs!r} with {' and '.join(wrong)}"
+                yield ("slabs",), found, "a threshold, and nothing that needs the whole mesh"
         if self.rest is not None and not self.has_several_materials:
             yield ("rest",), f"found {self.rest!r}", "`materials` or `labels` beside it"
 

@@ -71,12 +71,19 @@ except TusqhError as error:
 if describe_missing():
     logger.warning(describe_missing())
 
-# Models of one material, and of several (rules/materials.smk).
-MODELS = {name: m for name, m in SETTINGS.models.items() if not m.has_several_materials}
+# Models of one material, in one piece or in slabs (rules/slabs.smk), and of several (rules/materials.smk).
+IN_SLABS = {name: m for name, m in SETTINGS.models.items() if m.settings.memory.slabs is not None}
+MODELS = {name: m for name, m in SETTINGS.models.items() if not m.has_several_materials and name not in IN_SLABS}
 ASSEMBLIES = {name: m for name, m in SETTINGS.models.items() if m.has_several_materials}
 # Models of several materials that have diffusivities of their own are simulated.
 SIMULATED = [n for n, m in ASSEMBLIES.items() if any(p.diffusivity for p in m.list_of_materials)]
 NAMES_OF_ASSEMBLIES = "|".join(ASSEMBLIES) or "(?!)"
+NAMES_IN_SLABS = "|".join(IN_SLABS) or "(?!)"
+for name, model in IN_SLABS.items():
+    if find_format(model.geometry).kind != "surface":
+        raise WorkflowError(
+            f"models.{name}.slabs: found {model.geometry}, expected a surface in space; leave out `slabs`"
+        )
 # Models whose boundary is fitted; later steps take the fitted mesh.
 FITTED = [name for name, model in MODELS.items() if model.settings.fitting.fit]
 # Models of which a coarse mesh is made as well.
@@ -98,6 +105,7 @@ wildcard_constraints:
     model="|".join(MODELS) or "(?!)",
     peer="|".join(PEERS),
     part=r"\d+",
+    slab=r"\d{4}",
 
 
 def files(*names):
@@ -126,6 +134,16 @@ def shown(*names):
         name: report(path, f"../report/{name.removeprefix('figure_')}.rst", category="{model}")
         for name, path in files(*names).items()
     }
+
+
+def files_of_models_in_slabs(*names):
+    """Return files of all models in slabs by name."""
+    return {name: expand(path, model=IN_SLABS) for name, path in files(*names).items()}
+
+
+def files_of_every_model_in_slabs(*names):
+    """Return the same files as inputs beside those of the models in one piece."""
+    return {f"slabs_{name}": paths for name, paths in files_of_models_in_slabs(*names).items()}
 
 
 def of_fitted(name):
@@ -183,8 +201,8 @@ def settings_of(name):
 
 def unused_settings_of(wildcards):
     """Return a sentence for each setting of a model that has no effect on its geometry."""
-    kind = find_format(GEOMETRY[wildcards.model]).kind
-    return list(find_without_effect(MODELS[wildcards.model], kind))
+    model = SETTINGS.models[wildcards.model]
+    return list(find_without_effect(model, find_format(model.geometry).kind))
 
 
 def threshold_of_placement(wildcards):
@@ -200,7 +218,7 @@ def cells_of_study(wildcards):
 
 def geometry_of(wildcards):
     """Return the geometry file of a model, none where it is part of an installed package."""
-    geometry = GEOMETRY[wildcards.model]
+    geometry = SETTINGS.models[wildcards.model].geometry
     return [] if geometry.startswith(PACKAGE) else geometry
 
 
@@ -211,7 +229,7 @@ def all_geometries():
 
 def reader_of(wildcards):
     """Return the fingerprint of the module that reads a model's format."""
-    reader = find_format(GEOMETRY[wildcards.model]).module
+    reader = find_format(SETTINGS.models[wildcards.model].geometry).module
     return FINGERPRINTS[f"tusqh/readers/{reader}.py"]
 
 

@@ -22,7 +22,8 @@ rule overview:
     output:
         page="results/report/index.html",
     params:
-        models={name: list(model.files) for name, model in SETTINGS.models.items()},
+        # Models in slabs have a mesh and its certificate alone, and a row in the summary.
+        models={name: list(model.files) for name, model in SETTINGS.models.items() if name not in IN_SLABS},
         of_materials=list(ASSEMBLIES),
         fitted=FITTED,
         captions=captions(),

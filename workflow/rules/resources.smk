@@ -5,7 +5,7 @@ import math
 
 from snakemake.resources import Resources
 
-from tusqh.sampling.memory import estimate_memory
+from tusqh.sampling.memory import estimate_memory, estimate_slab, estimate_slabs
 
 # Megabytes and minutes of a step of a small model: libraries, and the allowance of the scheduler.
 SMALLEST = 1500, 10
@@ -17,6 +17,7 @@ MINUTES_OF_RULES = {
     **dict.fromkeys(["sweep_2d", "sweep_3d", "sweep_one", "figures_of_outline", "figures_of_solid"], 10),
     **dict.fromkeys(["simulate", "simulate_materials", "suitability", "materials", "peer"], 30),
 }
+RULES_OF_ONE_SLAB = {"slab_sample", "slab_elements", "slab_piece"}
 # Minutes of steps over all models, of which the grids are fixed or small.
 MINUTES_ALONE = {"theorem_plane": 30, "theorem_space": 30, "gap_meshes": 30, "slow_tests": 240, "placements": 60, "placements_part": 60}
 
@@ -42,10 +43,18 @@ def memory_of(rule):
         model = SETTINGS.models[wildcards.model]
         dimension = dimension_of(model.files[0])
         n_cells = cells_of(model, dimension)
+        if wildcards.model in IN_SLABS:
+            return attempt * math.ceil(1.3 * memory_in_slabs(rule, n_cells, slabs_of(wildcards)) / 1e6) + smallest
         needed = estimate_memory(n_cells, n_cells, dim=dimension) * MEMORY_OF_RULES.get(rule, MEMORY_OF_OTHERS)
         return smallest + attempt * math.ceil(1.3 * needed / 1e6)
 
     return memory
+
+
+def memory_in_slabs(rule, n_cells, n_slabs):
+    """Return the bytes of a step of a model in slabs, of one slab or of the whole grid."""
+    estimate = estimate_slab if rule in RULES_OF_ONE_SLAB else estimate_slabs
+    return estimate(n_cells, n_cells, n_slabs)
 
 
 def minutes_of(rule):

@@ -2,6 +2,7 @@ rule tables:
     input:
         **files_of_all_models("facts", "verdict", "amount", "defects", "verification"),
         fits=files_of_fitted_models("fit")["fit"],
+        **files_of_every_model_in_slabs("facts", "verdict", "defects"),
         **files_of_every_assembly("materials", "verification", "verdict"),
         assembly_amount=expand(files("amount")["amount"], model=SIMULATED),
     output:
@@ -15,12 +16,13 @@ rule tables:
 rule verdicts:
     input:
         **files_of_all_models("facts", "verdict"),
+        **files_of_every_model_in_slabs("facts", "verdict"),
         **files_of_every_assembly("materials", "verdict"),
         fits=files_of_fitted_models("fit")["fit"],
     output:
         verdicts=report("results/tables/verdicts.csv", "../report/verdicts.rst", category="Tables"),
     params:
-        files=list(GEOMETRY.values()),
+        files=[*GEOMETRY.values(), *[model.geometry for model in IN_SLABS.values()]],
         files_of_assemblies=[", ".join(model.files) for model in ASSEMBLIES.values()],
     script:
         "../scripts/verdicts.py"

@@ -26,7 +26,7 @@ from tusqh.pipeline.slabs.fractions import SlabFractions, Survey
 from tusqh.sampling.io import load_fractions
 
 #: The file that names the fractions of the slabs, and their folder.
-FRACTIONS, _FOLDER = "fractions.json", "fractions_pieces"
+FRACTIONS, FRACTIONS_FOLDER = "fractions.json", "fractions_pieces"
 
 
 def write_fractions(folder: Path, fractions: SlabFractions) -> Path:
@@ -47,11 +47,14 @@ def write_fractions(folder: Path, fractions: SlabFractions) -> Path:
     rows = []
     for slab in fractions.slabs:
         fractions.multiples(slab)  # Makes the file if it is not there.
-        target = folder / _FOLDER / f"{slab.number:04d}.npz"
-        with replacing(target) as temporary:
-            source = fractions.folder.name("fractions", fractions.digest, slab.number)
-            shutil.copyfile(source, temporary)
-        rows.append({"begin": slab.begin, "end": slab.end, "file": f"{_FOLDER}/{target.name}"})
+        target = folder / FRACTIONS_FOLDER / f"{slab.number:04d}.npz"
+        source = fractions.folder.name("fractions", fractions.digest, slab.number)
+        if source != target:  # The workflow makes them at their place.
+            with replacing(target) as temporary:
+                shutil.copyfile(source, temporary)
+        rows.append(
+            {"begin": slab.begin, "end": slab.end, "file": f"{FRACTIONS_FOLDER}/{target.name}"}
+        )
     content = {
         "grid": fractions.grid.to_dict(),
         "samples": fractions.samples,

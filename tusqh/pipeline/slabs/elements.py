@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields
+from pathlib import Path
 
 import numpy as np
 
@@ -14,6 +15,19 @@ from tusqh.grid import BackgroundGrid, IntArray
 from tusqh.grid.slabs import Slab
 from tusqh.meshes.seams import Piece
 from tusqh.pipeline.slabs.folder import WorkFolder, write_plain
+
+
+def write_elements(path: Path, found: SlabElements) -> None:
+    """Write the elements of a slab; the file appears complete or not at all.
+
+    Parameters
+    ----------
+    path
+        The npz file.
+    found
+        The elements.
+    """
+    write_plain(path, {f.name: getattr(found, f.name) for f in fields(found)})
 
 
 @dataclass
@@ -27,14 +41,14 @@ class SlabMesh:
     slabs
         Its slabs.
     decide
-        Returns the decision of the whole grid; called only if a slab is missing.
+        Returns the decision of the whole grid; None if all slabs are there.
     folder, digest
         Where slabs are kept, and the digest of everything on which they depend.
     """
 
     grid: BackgroundGrid
     slabs: list[Slab]
-    decide: Callable[[], SpatialDecision] = field(repr=False)
+    decide: Callable[[], SpatialDecision] | None = field(repr=False)
     folder: WorkFolder
     digest: str
     _offsets: IntArray = field(init=False, repr=False)
@@ -53,8 +67,9 @@ class SlabMesh:
         for slab in self.slabs:
             path = self.folder.name("elements", self.digest, slab.number)
             if not path.is_file():
+                assert self.decide is not None, path
                 found = emit_slab(self.decide(), self.grid, slab, left_out=VOID)
-                write_plain(path, {f.name: getattr(found, f.name) for f in fields(found)})
+                write_elements(path, found)
             with np.load(path) as content:
                 counts.append(content["counts"])
                 self.sizes.append(len(content["kind"]))

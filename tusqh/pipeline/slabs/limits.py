@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from tusqh.errors import ConfigError, SamplingError
 from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.soup import Soup
@@ -34,7 +32,9 @@ def require_possible(settings: Settings, geometry: Geometry, name: str) -> None:
     ConfigError
         A setting is not available in slabs, or the geometry is not a surface in space.
     """
-    wrong = list(_find_unavailable(settings, geometry))
+    wrong = list(settings.find_unavailable_in_slabs())
+    if not isinstance(geometry, Soup):
+        wrong.insert(0, "a geometry that is not a surface in space")
     if wrong:
         raise ConfigError(
             f"{' and '.join(wrong)}: not available in slabs",
@@ -42,29 +42,6 @@ def require_possible(settings: Settings, geometry: Geometry, name: str) -> None:
             expected="a surface in space with a threshold, and nothing that needs the whole mesh",
             remedy="leave out `slabs` and use larger cells, or leave out " + " and ".join(wrong),
         )
-
-
-def _find_unavailable(settings: Settings, geometry: Geometry) -> Iterator[str]:
-    """Yield what is asked for but not available in slabs."""
-    goal, policy = settings.goal, settings.policy
-    if not isinstance(geometry, Soup):
-        yield "a geometry that is not a surface in space"
-    for key in ("target", "persistence", "volume", "features"):
-        if getattr(goal, key) is not None:
-            yield f"`{key}`"
-    if policy.bridges not in (None, "none"):
-        yield "`bridges`"
-    for key in ("components", "holes", "voids"):
-        if not getattr(policy, key).keeps_all:
-            yield f"`{key}`"
-    if settings.sampling.inside != "winding":
-        yield "`inside`"
-    if settings.fitting.fit:
-        yield "`fit`"
-    if settings.coarsening.coarsen is not None:
-        yield "`coarsen`"
-    if settings.quality.checks is not None:
-        yield "`checks: all`"
 
 
 def count_slabs(settings: Settings, grid: BackgroundGrid, volume: float | None, name: str) -> int:

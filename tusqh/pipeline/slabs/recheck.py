@@ -11,7 +11,7 @@ from tusqh.meshes.checks import Check
 from tusqh.meshes.measure_pieces import PiecesMeasurement, measure_pieces
 from tusqh.meshes.piece_files import read_pieces
 from tusqh.pipeline.slabs.certificate import Bodies, check_claims, n_cells_of
-from tusqh.pipeline.slabs.mesh import PiecedMesh
+from tusqh.pipeline.slabs.found import PiecedMesh
 from tusqh.quality.verdict import judge_alone, to_table
 from tusqh.topology.betti_numbers import BettiNumbers
 

@@ -34,6 +34,31 @@ from tusqh.settings.policy import Policy
 
 
 @dataclass(frozen=True)
+class Placed:
+    """The grid of a surface in slabs, with its fractions, which are sampled when they are needed.
+
+    Parameters
+    ----------
+    fractions
+        The fractions.
+    placement
+        Where the grid was placed; None: at the corner, as requested.
+    sign
+        -1 if all winding numbers are negated.
+    digests
+        Digests of the fractions at the corner and, if they are others, where the grid was placed.
+    survey
+        What a pass over the fractions found; None: they have not been sampled.
+    """
+
+    fractions: SlabFractions
+    placement: Placement | None
+    sign: int
+    digests: tuple[str, ...]
+    survey: Survey | None = None
+
+
+@dataclass(frozen=True)
 class Sampled:
     """The fractions of a surface in slabs.
 
@@ -78,15 +103,15 @@ class _Sampler:
             "settings": original.to_dict(),
         }
 
-    def fractions(self, grid: BackgroundGrid, n_slabs: int) -> SlabFractions:
-        """Return the fractions of a grid, which are sampled when they are needed."""
+    def fractions(self, grid: BackgroundGrid, n_slabs: int) -> tuple[SlabFractions, int]:
+        """Return the fractions of a grid, which are sampled when they are needed, and the sign."""
         slabs = cut(grid, n_slabs)
         digest = hash_value(
             {**self.inputs, "grid": grid.to_dict(), "slabs": [list(slab) for slab in slabs]}
         )
         sampling = self.original.sampling
         require_samples(self.geometry, grid, sampling, self.box)
-        sampler = SlabSampler.of(self.oriented, grid, sampling, self.box)
+        sampler = sampler_of(self.original, grid)
         sign = self.folder.name("sign", digest, 0).with_suffix(".json")
         if sign.is_file():
             sampler.sign = int(json.loads(sign.read_text("utf-8")))
@@ -95,11 +120,49 @@ class _Sampler:
             if not tally.is_nonzero:
                 raise nothing_inside(self.geometry, sampling, grid.cell_size)
             write_text(sign, canonical_json(sampler.sign))
-        return SlabFractions(grid, slabs, sampling.samples, sampler.sample, self.folder, digest)
+        found = SlabFractions(grid, slabs, sampling.samples, sampler.sample, self.folder, digest)
+        return found, sampler.sign
 
-    def survey(self, fractions: SlabFractions, threshold: float) -> Survey:
-        """Return what one pass over fractions finds."""
-        return fractions.survey(threshold, self.progress("samples"))
+
+def place_in_slabs(
+    original: Original, settings: Settings, folder: WorkFolder, *, name: str, progress: Progress
+) -> Placed:
+    """Return the grid that the settings specify, which is sampled only to compare placements.
+
+    Parameters
+    ----------
+    original, settings, folder, name, progress
+        See `sample_in_slabs`.
+
+    Raises
+    ------
+    SamplingError
+        See `sample_in_slabs`.
+    """
+    sampler = _Sampler(original, settings, folder, progress)
+    options, sampling = original.grid, original.sampling
+    grid, placement = lay_as_set([sampler.geometry], sampler.box, options)
+    volume = signed_volume(sampler.oriented) if sampling.domain == "inside" else None
+    n_slabs = count_slabs(settings, grid, volume, name)
+    fractions, sign = sampler.fractions(grid, n_slabs)
+    if placement is not None or options.placement != "auto":
+        return Placed(fractions, placement, sign, (fractions.digest,))
+    threshold = threshold_of(settings)
+    survey = take_survey(fractions, original, threshold, name=name, progress=progress)
+    progress("placement")
+    reference = find_reference(sampler.geometry, survey, sampling=sampling, window=sampler.box)
+    placed, placement = place_grid(
+        sampler.oriented,
+        survey,
+        reference.volume,
+        sampling=sampling,
+        window=sampler.box,
+        threshold=threshold,
+    )
+    if not placement.is_moved:
+        return Placed(fractions, placement, sign, (fractions.digest,), survey)
+    moved, sign = sampler.fractions(placed, n_slabs)
+    return Placed(moved, placement, sign, (fractions.digest, moved.digest))
 
 
 def sample_in_slabs(
@@ -125,44 +188,117 @@ def sample_in_slabs(
     SamplingError
         Grid, window and geometry do not match, nothing is inside, or the slabs do not fit.
     """
-    sampler = _Sampler(original, settings, folder, progress)
-    options, sampling = original.grid, original.sampling
-    grid, placement = lay_as_set([sampler.geometry], sampler.box, options)
-    volume = signed_volume(sampler.oriented) if sampling.domain == "inside" else None
-    n_slabs = count_slabs(settings, grid, volume, name)
-    threshold = settings.goal.threshold
-    assert threshold is not None
-    fractions = sampler.fractions(grid, n_slabs)
-    digests = [fractions.digest]
-    survey = sampler.survey(fractions, threshold)
+    placed = place_in_slabs(original, settings, folder, name=name, progress=progress)
+    return complete(placed, original, settings, name=name, progress=progress)
+
+
+def complete(
+    placed: Placed, original: Original, settings: Settings, *, name: str, progress: Progress
+) -> Sampled:
+    """Return the fractions of a placed grid with what a pass over them finds.
+
+    Parameters
+    ----------
+    placed
+        The grid with its fractions.
+    original, settings, name, progress
+        See `sample_in_slabs`.
+
+    Raises
+    ------
+    SamplingError
+        Nothing is inside.
+    """
+    survey = placed.survey
+    if survey is None:
+        threshold = threshold_of(settings)
+        survey = take_survey(placed.fractions, original, threshold, name=name, progress=progress)
+    progress("placement")
+    geometry = cast("Soup", original.geometry)
+    box = None if original.window is None else original.window.box
+    reference = find_reference(geometry, survey, sampling=original.sampling, window=box)
+    return Sampled(
+        placed.fractions, survey, reference, placed.placement, settings.policy, placed.digests
+    )
+
+
+def take_survey(
+    fractions: SlabFractions, original: Original, threshold: float, *, name: str, progress: Progress
+) -> Survey:
+    """Return what one pass over fractions finds.
+
+    Parameters
+    ----------
+    fractions, original
+        See `complete`.
+    threshold
+        The threshold.
+    name, progress
+        See `complete`.
+
+    Raises
+    ------
+    SamplingError
+        Nothing is inside.
+    """
+    survey = fractions.survey(threshold, progress("samples"))
     if not survey.has_some:
         raise SamplingError(
-            f"no cell of the {grid.label} grid has a positive fraction of the {sampling.domain} of "
-            "the geometry",
+            f"no cell of the {fractions.grid.label} grid has a positive fraction of the "
+            f"{original.sampling.domain} of the geometry",
             where=name,
             expected="some material in the grid",
             remedy="use the other `domain`, `orientation: auto`, a finer grid or another window",
         )
-    progress("placement")
-    reference = find_reference(sampler.geometry, survey, sampling=sampling, window=sampler.box)
-    if placement is None and options.placement == "auto":
-        placed, placement = place_grid(
-            sampler.oriented,
-            survey,
-            reference.volume,
-            sampling=sampling,
-            window=sampler.box,
-            threshold=threshold,
-        )
-        if placement.is_moved:
-            del survey
-            fractions = sampler.fractions(placed, n_slabs)
-            digests.append(fractions.digest)
-            survey = sampler.survey(fractions, threshold)
-            reference = find_reference(
-                sampler.geometry, survey, sampling=sampling, window=sampler.box
-            )
-    return Sampled(fractions, survey, reference, placement, settings.policy, tuple(digests))
+    return survey
+
+
+def sampler_of(original: Original, grid: BackgroundGrid) -> SlabSampler:
+    """Return the sampler of a surface on a grid.
+
+    Parameters
+    ----------
+    original
+        The surface, and the settings with which it is sampled.
+    grid
+        The whole grid.
+    """
+    sampling, window = original.sampling, original.window
+    oriented = cast("Soup", orient(cast("Soup", original.geometry), sampling.orientation).geometry)
+    return SlabSampler.of(oriented, grid, sampling, None if window is None else window.box)
+
+
+def original_of(geometry: Soup, settings: Settings) -> Original:
+    """Return a surface with the settings with which it is sampled.
+
+    Parameters
+    ----------
+    geometry
+        The surface.
+    settings
+        All settings.
+    """
+    return Original(
+        geometry,
+        settings.grid,
+        settings.sampling,
+        settings.window,
+        settings.quality,
+        settings.goal.threshold,
+    )
+
+
+def threshold_of(settings: Settings) -> float:
+    """Return the threshold that is given.
+
+    Parameters
+    ----------
+    settings
+        All settings, of which `require_possible` has found that a mesh in slabs can have them.
+    """
+    threshold = settings.goal.threshold
+    assert threshold is not None
+    return threshold
 
 
 def digest_of(geometry: Soup) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -85,15 +85,43 @@ def write_pieces(
     slabs = [slab for slab, size in zip(mesh.slabs, mesh.sizes, strict=True) if size]
     files = piece_paths(path, len(slabs))
     for number, (slab, file) in enumerate(zip(slabs, files, strict=True), start=1):
-        piece = mesh.piece(slab)
-        in_cell = _fractions_of(slab, piece.grid_cell, fractions)
-        write_piece(file, piece, {_FRACTION: in_cell}, mesh.grid.unit)
+        write_slab(file, slab, mesh, fractions)
         if report is not None:
             report(number, len(slabs))
-    write_pvtu(path, files, [_FRACTION])
+    name_pieces(path, files)
     for leftover in files[0].parent.glob("*.vtu"):
         if leftover not in files:
             leftover.unlink()
+
+
+def write_slab(file: Path, slab: Slab, mesh: SlabMesh, fractions: SlabFractions) -> None:
+    """Write the piece of a slab.
+
+    Parameters
+    ----------
+    file
+        File to write, ending in ``.vtu``.
+    slab
+        The slab.
+    mesh, fractions
+        The mesh and its volume fractions.
+    """
+    piece = mesh.piece(slab)
+    in_cell = _fractions_of(slab, piece.grid_cell, fractions)
+    write_piece(file, piece, {_FRACTION: in_cell}, mesh.grid.unit)
+
+
+def name_pieces(path: Path, files: Sequence[Path]) -> None:
+    """Write the PVTU file that names the pieces of `write_slab`.
+
+    Parameters
+    ----------
+    path
+        The PVTU file.
+    files
+        The pieces.
+    """
+    write_pvtu(path, files, [_FRACTION])
 
 
 def write_one(path: Path, mesh: SlabMesh, fractions: SlabFractions) -> None:
