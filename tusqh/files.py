@@ -337,7 +337,8 @@ TABLES_OF_ALL_MODELS = (
         columns(
             "model dimension grid elements min_scaled_jacobian share_below_0_3",
             "mean_distance p99_distance max_distance surface_mean_distance volume_error",
-            "self_intersections betti_same fell_back trusted",
+            "resolved_mean_distance resolved_p99_distance",
+            "self_intersections betti_same fell_back trusted unresolved",
         ),
     ),
     ResultFile(

@@ -86,7 +86,7 @@ def test_other_distances_in_the_record_fail_the_check(folder):
     record.write_text(json.dumps(stored))
     code, said = check(path_of("fitted", folder))
     assert code == 1
-    assert "1 of 18 differ" in said
+    assert "1 of 36 differ" in said
 
 
 def test_without_the_geometry_the_distances_are_those_recorded(folder):

@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from tusqh.fitting.fitted import DISTANCE_COLUMNS
+from tusqh.fitting.fitted import DISTANCE_COLUMNS, RESOLVED
+from tusqh.fitting.pieces import in_space
+from tusqh.fitting.resolved import find_beyond, find_resolved
 from tusqh.fitting.skin import unit
 from tusqh.fitting.target import Target, to_cells
 from tusqh.grid import BoolArray, FloatArray
 from tusqh.meshes.element_mesh import ElementMesh
-from tusqh.sampling.nearest_triangle import find_nearest, make_tree
+from tusqh.sampling.nearest_triangle import NearestPoints, find_nearest, make_tree
 
 #: Facets this near a plane lie in it, in cells.
 _LEVEL = 1e-6
@@ -20,6 +22,8 @@ def measure_distances(
     mesh: ElementMesh, target: Target, is_owned: BoolArray | None = None
 ) -> pd.DataFrame:
     """Return the distances from the boundary to the surface and back.
+
+    Places beyond the end of the surface, as in its holes, do not count.
 
     Parameters
     ----------
@@ -40,16 +44,23 @@ def measure_distances(
     facets = mesh.facets.boundary
     is_side = on_sides(points[facets], target).any(axis=1)
     owned = facets[~is_side if is_owned is None else is_owned]
-    surface = make_tree(_in_space(target.pieces))
-    at_vertices = find_nearest(surface, _pad(points[np.unique(owned)])).distance
-    at_faces = find_nearest(surface, _pad(points[owned].mean(axis=1))).distance
-    back = distances_back(mesh, target)
-    rows = []
-    for direction, at, values in (
-        ("boundary", "vertices", at_vertices),
-        ("boundary", "faces", at_faces),
-        ("surface", "samples", back),
+    is_resolved = find_resolved(target)
+    everywhere, resolved = [], []
+    for at, places in (
+        ("vertices", points[np.unique(owned)]),
+        ("faces", points[owned].mean(axis=1)),
     ):
+        nearest = nearest_on_surface(target, places)
+        counts = ~find_beyond(target, places, nearest) & (nearest.triangle >= 0)
+        sample = target.sample[nearest.triangle[counts]]
+        away = nearest.distance[counts]
+        everywhere.append(("boundary", at, away))
+        resolved.append((RESOLVED + "boundary", at, away[is_resolved[sample]]))
+    back = distances_back(mesh, target)
+    everywhere.append(("surface", "samples", back))
+    resolved.append((RESOLVED + "surface", "samples", back[is_resolved]))
+    rows = []
+    for direction, at, values in (*everywhere, *resolved):
         values = values[np.isfinite(values)]
         for name, scale in (("cells", 1.0), ("model", target.grid.cell_size)):
             numbers = [np.nan] * 3
@@ -57,6 +68,19 @@ def measure_distances(
                 numbers = [values.mean(), np.quantile(values, 0.99), values.max()]
             rows.append((direction, at, len(values), name, *(scale * n for n in numbers)))
     return pd.DataFrame(rows, columns=list(DISTANCE_COLUMNS))
+
+
+def nearest_on_surface(target: Target, places: FloatArray) -> NearestPoints:
+    """Return the nearest point on the trusted surface to every place.
+
+    Parameters
+    ----------
+    target
+        The target.
+    places
+        Places in cells, shape (n, dim).
+    """
+    return find_nearest(make_tree(_as_triangles(target.pieces)), in_space(places))
 
 
 def distances_back(mesh: ElementMesh, target: Target) -> FloatArray:
@@ -85,8 +109,8 @@ def distances_to_boundary(mesh: ElementMesh, target: Target, places: FloatArray)
         The places, in cells, shape (n, dim).
     """
     points = to_cells(mesh.points, target.grid)
-    boundary = make_tree(_in_space(_triangles(points[mesh.facets.boundary])))
-    return find_nearest(boundary, _pad(places)).distance
+    boundary = make_tree(_as_triangles(_triangles(points[mesh.facets.boundary])))
+    return find_nearest(boundary, in_space(places)).distance
 
 
 def on_sides(corners: FloatArray, target: Target) -> BoolArray:
@@ -146,15 +170,8 @@ def _triangles(corners: FloatArray) -> FloatArray:
     return np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])
 
 
-def _in_space(corners: FloatArray) -> FloatArray:
+def _as_triangles(corners: FloatArray) -> FloatArray:
     """Return triangles in space; segments in the plane become degenerate triangles."""
     if corners.shape[-1] == 3:
         return corners
-    return _pad(corners[:, [0, 1, 1]])
-
-
-def _pad(points: FloatArray) -> FloatArray:
-    """Return points with three coordinates."""
-    if points.shape[-1] == 3:
-        return points
-    return np.concatenate([points, np.zeros((*points.shape[:-1], 1))], axis=-1)
+    return in_space(corners[:, [0, 1, 1]])

@@ -16,6 +16,8 @@ FELL_BACK_COLUMNS = ("x", "y", "z", "points", "what", "why")
 
 #: Columns of `Fitted.distances`.
 DISTANCE_COLUMNS = ("from", "at", "count", "unit", "mean", "p99", "max")
+#: What `from` begins with in rows on places where walls and gaps are at least a cell wide.
+RESOLVED = "resolved "
 
 
 @dataclass(frozen=True)
@@ -30,9 +32,9 @@ class Fitted:
         cover.
     distances
         Distances to the trusted surface, one row for each direction (`from`: ``"boundary"`` or
-        ``"surface"``), place (`at`: ``"vertices"``, ``"faces"`` or ``"samples"``) and `unit`
-        (``"cells"`` or ``"model"``): `count`, `mean`, `p99` and `max`; NaN if there is nothing to
-        measure.
+        ``"surface"``, and each once more after `RESOLVED`, where the grid resolves the surface),
+        place (`at`: ``"vertices"``, ``"faces"`` or ``"samples"``) and `unit` (``"cells"`` or
+        ``"model"``): `count`, `mean`, `p99` and `max`; NaN if there is nothing to measure.
     fell_back
         One row for each region that could not be fitted as wished, see `FELL_BACK_COLUMNS`.
     facts

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from tusqh.fitting.distances import measure_distances
 from tusqh.fitting.fitted import Fitted
-from tusqh.fitting.left_out import list_left_out
+from tusqh.fitting.left_out import CHANGED, LOOSE, NO_SURFACE, find_loose, list_left_out
 from tusqh.fitting.repair import CROSSING, FOLD, Faults, list_regions, pull_back, put_back
 from tusqh.fitting.rounds import Rounds
 from tusqh.fitting.skin import rows_of_facets
@@ -81,11 +81,28 @@ def fit_hexes(
     )
     rows = rows_of_facets(new.facets.boundary, rounds.skin.vertices[rounds.skin.facets])
     distances = measure_distances(new, target, rounds.is_owned[rows])
+    regions += _list_loose(rounds)
     fell_back = pd.concat([*regions, list_left_out(new, target)], ignore_index=True)
     features = rounds.features
     patch = None if features is None else features.label[rows]
     edges = rounds.skin.vertices[np.zeros((0, 2), int) if features is None else features.edges]
     return Fitted(new, distances, fell_back, {"seconds": perf_counter() - begin}, patch, edges)
+
+
+def _list_loose(rounds: Rounds) -> list[pd.DataFrame]:
+    """Return rows on the parts of the boundary that belong to no surface."""
+    moving, skin, target = rounds.moving, rounds.skin, rounds.target
+    scale = (target.grid.cell_size, np.array(target.grid.origin))
+    rows = []
+    is_loose = rounds.is_own & find_loose(rounds.places, target)
+    for chosen, what, why in (
+        (is_loose, LOOSE, NO_SURFACE),
+        (rounds.is_beside_change, "smoothed staircase", CHANGED),
+    ):
+        is_in = np.zeros(len(moving.points), dtype=np.bool_)
+        is_in[skin.vertices] = chosen
+        rows.append(list_regions(moving, is_in, what, why, scale))
+    return rows
 
 
 def _badness(rounds: Rounds, regions: list[pd.DataFrame]) -> float:

@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tusqh.fitting.pieces import cut_pieces, pick_samples
+from tusqh.fitting.pieces import cut_pieces, normals_of, pick_samples, sizes_of
 from tusqh.fitting.planar.outline_target import cut_segments, pick_planar_samples, sides_of_material
 from tusqh.fitting.planar.winding import wind_around, wind_beside_cap
 from tusqh.fitting.target import Target, to_cells
@@ -72,7 +72,7 @@ def target_of_made(
     if grid.dim == 2:
         if box is not None:
             pieces = np.concatenate([pieces, sides_of_material(box, fractions)])
-        points, normals, sample = pick_planar_samples(pieces, _normals(pieces))
+        points, normals, sample = pick_planar_samples(pieces, normals_of(pieces))
     else:
         points, normals, sample, _ = pick_samples(pieces)
     return Target(
@@ -94,7 +94,7 @@ def _on_boundary(
     """Return the pieces that bound the material, directed outwards, and which share they are."""
     grid = fractions.grid
     made = field_of(geometry, sampling, grid.cell_size)
-    centres, normals = _in_space(pieces.mean(axis=1)), _in_space(_normals(pieces))
+    centres, normals = _in_space(pieces.mean(axis=1)), _in_space(normals_of(pieces))
     origin = _in_space(np.array([grid.origin]))[0]
     offset = 0.0
     if isinstance(made, EnvelopeField):
@@ -117,10 +117,10 @@ def _on_boundary(
                 is_far &= sign * wind(at + way * _BEYOND * normals) < 0.5
     kept = []
     for way, is_chosen in zip((1, -1), is_outer, strict=True):
-        along = way * offset * _normals(pieces[is_chosen])
+        along = way * offset * normals_of(pieces[is_chosen])
         moved = pieces[is_chosen] + along[:, None]
         kept.append(moved if way > 0 else _turned(moved))
-    sizes = _sizes(pieces)
+    sizes = sizes_of(pieces)
     n_sides = 1 if offset == 0 else 2
     total = sum(float(sizes[is_chosen].sum()) for is_chosen in is_outer)
     return np.concatenate(kept), total / max(n_sides * float(sizes.sum()), 1e-300)
@@ -147,24 +147,6 @@ def _winding(geometry: Surface, fractions: VolumeFractions) -> Callable[[FloatAr
 def _turned(pieces: FloatArray) -> FloatArray:
     """Return pieces with the opposite direction."""
     return np.ascontiguousarray(pieces[:, ::-1])
-
-
-def _sizes(pieces: FloatArray) -> FloatArray:
-    """Return the area of triangles, or the length of segments."""
-    return np.asarray(np.linalg.norm(_across(pieces), axis=1))
-
-
-def _normals(pieces: FloatArray) -> FloatArray:
-    """Return unit normals: of triangles by their corners, of segments on their right."""
-    across = _across(pieces)
-    return np.asarray(across / np.maximum(np.linalg.norm(across, axis=1), 1e-300)[:, None])
-
-
-def _across(pieces: FloatArray) -> FloatArray:
-    if pieces.shape[1] == 3:
-        return np.cross(pieces[:, 1] - pieces[:, 0], pieces[:, 2] - pieces[:, 0])
-    along = pieces[:, 1] - pieces[:, 0]
-    return np.stack([along[:, 1], -along[:, 0]], axis=1)
 
 
 def _in_space(vectors: FloatArray) -> FloatArray:

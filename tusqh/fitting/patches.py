@@ -14,6 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from tusqh.fitting.nearest_sample import Bins
+from tusqh.fitting.pieces import sizes_of
 from tusqh.fitting.skin import Skin, unit
 from tusqh.fitting.target import Target
 from tusqh.grid import BoolArray, FloatArray, IntArray
@@ -72,9 +73,7 @@ def link_samples(target: Target, angle: float) -> tuple[IntArray, FloatArray]:
     links = pairs[is_flat & agree]
     graph = coo_array((np.ones(len(links)), tuple(links.T)), shape=(len(points),) * 2)
     number = connected_components(graph, directed=False)[1]
-    corners = target.pieces
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    areas = np.linalg.norm(across, axis=1) / 2
+    areas = sizes_of(target.pieces)
     area = np.bincount(number[target.sample], weights=areas, minlength=int(number.max()) + 1)
     return number.astype(np.int64), np.asarray(area, dtype=np.float64)
 

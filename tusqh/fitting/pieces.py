@@ -68,7 +68,7 @@ def cut_pieces(corners: FloatArray, upper: FloatArray) -> FloatArray:
     pieces = np.concatenate(done) if done else corners
     centre = pieces.mean(axis=1)
     is_in = ((centre >= -_OUTSIDE) & (centre <= upper + _OUTSIDE)).all(axis=1)
-    return np.asarray(pieces[is_in & (_areas(pieces) > _LEAST)])
+    return np.asarray(pieces[is_in & (sizes_of(pieces) > _LEAST)])
 
 
 def pick_samples(pieces: FloatArray) -> Samples:
@@ -80,8 +80,7 @@ def pick_samples(pieces: FloatArray) -> Samples:
         Corners of the pieces, shape (p, 3, 3).
     """
     centre = pieces.mean(axis=1)
-    normal = np.cross(pieces[:, 1] - pieces[:, 0], pieces[:, 2] - pieces[:, 0])
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    normal = normals_of(pieces)
     place = np.rint(np.concatenate([centre / _BOX, normal / _BOX_OF_NORMALS], axis=1))
     place = place.astype(np.int64)
     place -= place.min(axis=0, initial=0)
@@ -89,10 +88,48 @@ def pick_samples(pieces: FloatArray) -> Samples:
     for column in place.T:
         key = key * (int(column.max(initial=0)) + 1) + column
     _, first, sample = np.unique(key, return_index=True, return_inverse=True)
-    return Samples(centre[first], normal[first], sample.ravel(), _areas(pieces))
+    return Samples(centre[first], normal[first], sample.ravel(), sizes_of(pieces))
 
 
-def _areas(pieces: FloatArray) -> FloatArray:
-    """Return the area of every piece, shape (p,)."""
-    across = np.cross(pieces[:, 1] - pieces[:, 0], pieces[:, 2] - pieces[:, 0])
-    return np.asarray(np.linalg.norm(across, axis=1) / 2)
+def normals_of(pieces: FloatArray) -> FloatArray:
+    """Return the unit normals of pieces, shape (p, dim).
+
+    Parameters
+    ----------
+    pieces
+        Corners of the pieces; normals of segments are on their right, shape (p, dim, dim).
+    """
+    across = _across(pieces)
+    return np.asarray(across / np.maximum(np.linalg.norm(across, axis=1), 1e-300)[:, None])
+
+
+def sizes_of(pieces: FloatArray) -> FloatArray:
+    """Return the area of triangles, or the length of segments, shape (p,).
+
+    Parameters
+    ----------
+    pieces
+        Corners of the pieces, shape (p, dim, dim).
+    """
+    return np.asarray(np.linalg.norm(_across(pieces), axis=1) / (pieces.shape[1] - 1))
+
+
+def in_space(vectors: FloatArray) -> FloatArray:
+    """Return points or vectors with three coordinates; those in the plane get a zero.
+
+    Parameters
+    ----------
+    vectors
+        The points or vectors, shape (..., dim).
+    """
+    if vectors.shape[-1] == 3:
+        return vectors
+    return np.concatenate([vectors, np.zeros((*vectors.shape[:-1], 1))], axis=-1)
+
+
+def _across(pieces: FloatArray) -> FloatArray:
+    """Return vectors across pieces, with their length or twice their area."""
+    along = pieces[:, 1] - pieces[:, 0]
+    if pieces.shape[1] == 3:
+        return np.cross(along, pieces[:, 2] - pieces[:, 0])
+    return np.stack([along[:, 1], -along[:, 0]], axis=1)

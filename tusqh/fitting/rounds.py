@@ -157,6 +157,15 @@ class Rounds:
         found[self.skin.facets[self.is_owned]] = True
         return found
 
+    @property
+    def is_beside_change(self) -> BoolArray:
+        """Boundary vertices that belong to no surface and are not on a side, shape (b,)."""
+        facets = self.skin.facets
+        on_side = on_sides(self.places[facets], self.target).any(axis=1)
+        found = ~self.is_own
+        found[facets[on_side]] = False
+        return found
+
     def fit(self, threshold: float) -> None:
         """Fit the boundary of untangled hexes.
 

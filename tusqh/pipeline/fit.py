@@ -20,6 +20,8 @@ from tusqh.fitting.chains import list_chains
 from tusqh.fitting.distances import measure_distances
 from tusqh.fitting.fitted import FELL_BACK_COLUMNS
 from tusqh.fitting.of_geometry import target_of
+from tusqh.fitting.pieces import sizes_of
+from tusqh.fitting.resolved import find_resolved
 from tusqh.fitting.target import Target
 from tusqh.grid import BackgroundGrid, BoolArray
 from tusqh.hashing import canonical_json, hash_file
@@ -82,6 +84,7 @@ class Fit:
                 self.fitted.fell_back,
                 n_boundary=n_boundary,
                 cell_size=self.fractions.grid.cell_size,
+                unresolved=self.unresolved,
             ),
         )
 
@@ -89,6 +92,13 @@ class Fit:
     def chains(self) -> pd.DataFrame:
         """The creases of the geometry, see `tusqh.fitting.chains.list_chains`."""
         return list_chains(self.fitted, self.target)
+
+    @cached_property
+    def unresolved(self) -> float:
+        """Share of the trusted surface at walls and gaps thinner than a cell."""
+        sizes = sizes_of(self.target.pieces)
+        is_fine = ~find_resolved(self.target)[self.target.sample]
+        return float(sizes[is_fine].sum() / max(sizes.sum(), 1e-300))
 
     @cached_property
     def facts(self) -> dict[str, Any]:
@@ -103,6 +113,7 @@ class Fit:
             "comparison": [asdict(check) for check in self.comparison],
             "fit": {
                 "trusted": self.target.trusted,
+                "unresolved": self.unresolved,
                 "min_scaled_jacobian": measured.smallest_scaled_jacobian,
                 "share_below_0_3": float((scaled < 0.3).mean()),
                 **summarise_distances(self.fitted.distances),

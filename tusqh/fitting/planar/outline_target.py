@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tusqh.fitting.pieces import normals_of, sizes_of
 from tusqh.fitting.planar.winding import wind_around, wind_beside_cap
 from tusqh.fitting.target import Target, to_cells
 from tusqh.geometry.outline import Outline
@@ -66,11 +67,11 @@ def target_of_outline(
         fractions,
     )
     pieces = cut_segments(to_cells(outline.points, grid)[outline.segments], box)
-    normals, centres = _normals(pieces), pieces.mean(axis=1)
+    normals, centres = normals_of(pieces), pieces.mean(axis=1)
     before, behind = (inside(centres + s * _BESIDE * normals) for s in (1, -1))
     is_trusted = before != behind
     normals = np.where(before[:, None], -normals, normals)[is_trusted]
-    lengths = _lengths(pieces)
+    lengths = sizes_of(pieces)
     share = float(lengths[is_trusted].sum() / max(lengths.sum(), 1e-300))
     on_sides, normals_of_sides = _sides(box)
     middle = on_sides.mean(axis=1)
@@ -189,7 +190,7 @@ def target_of_level(fractions: VolumeFractions) -> Target:
     """
     box = np.array([np.zeros(2), np.array(fractions.grid.shape, dtype=np.float64)])
     pieces = sides_of_material(box, fractions)
-    points, of_samples, sample = pick_planar_samples(pieces, _normals(pieces))
+    points, of_samples, sample = pick_planar_samples(pieces, normals_of(pieces))
     return Target(
         grid=fractions.grid,
         level=fractions.values,
@@ -219,7 +220,7 @@ def sides_of_material(box: FloatArray, fractions: VolumeFractions) -> FloatArray
     cell = np.floor(pieces.mean(axis=1) - 0.5 * normals).astype(np.int64)
     cell = np.clip(cell, 0, upper)
     reaches = fractions.cells[cell[:, 0], cell[:, 1]] >= 0.5
-    is_turned = (_normals(pieces) * normals).sum(axis=1) < 0
+    is_turned = (normals_of(pieces) * normals).sum(axis=1) < 0
     pieces[is_turned] = pieces[is_turned][:, ::-1]
     return np.asarray(pieces[reaches])
 
@@ -242,17 +243,6 @@ def _sides(box: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.concatenate(pieces), np.concatenate(normals)
 
 
-def _lengths(pieces: FloatArray) -> FloatArray:
-    return np.asarray(np.linalg.norm(pieces[:, 1] - pieces[:, 0], axis=1))
-
-
-def _normals(pieces: FloatArray) -> FloatArray:
-    """Return the unit normals on the right of pieces, shape (p, 2)."""
-    along = pieces[:, 1] - pieces[:, 0]
-    normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
-    return np.asarray(normals / np.maximum(_lengths(pieces), 1e-300)[:, None])
-
-
 def pick_planar_samples(
     pieces: FloatArray, normals: FloatArray
 ) -> tuple[FloatArray, FloatArray, IntArray]:
@@ -272,7 +262,7 @@ def pick_planar_samples(
     sample
         The box of each piece, shape (p,).
     """
-    centres, lengths = pieces.mean(axis=1), _lengths(pieces)
+    centres, lengths = pieces.mean(axis=1), sizes_of(pieces)
     place = np.concatenate([np.floor(centres / _BOX), np.rint(normals / _BOX_OF_NORMALS)], axis=1)
     numbers = np.unique(place.astype(np.int64), axis=0, return_inverse=True)[1]
     sample: IntArray = numbers.ravel().astype(np.int64)

@@ -9,6 +9,7 @@ import pandas as pd
 
 from tusqh.fitting.distances import measure_distances
 from tusqh.fitting.fitted import FELL_BACK_COLUMNS, Fitted
+from tusqh.fitting.left_out import CHANGED, NO_SURFACE, find_loose, list_left_out
 from tusqh.fitting.planar.boundary import Boundary, Goals
 from tusqh.fitting.planar.crossings import find_components, find_crossing_points, find_runs
 from tusqh.fitting.planar.energy import move_if_valid, sweep_points
@@ -71,13 +72,13 @@ def fit_quads(mesh: VolumeMesh, target: Target, *, fixed: BoolArray | None = Non
     fitted = _to_mesh(mesh, layered, run.points, target)
     if not (fitted.jacobians.determinant > 0).all():
         run.note(np.unique(layered.sides), "the staircase stays", "a quad would be invalid")
-        return Fitted(mesh, measure_distances(mesh, target), run.rows(target))
+        return Fitted(mesh, measure_distances(mesh, target), run.rows(target, mesh))
     run.note_without(is_held)
     pieces = boundary.pieces(run.points)
     patch = None
     if pieces is not None:
         patch = pieces[rows_of_facets(fitted.facets.boundary, layered.sides)]
-    return Fitted(fitted, measure_distances(fitted, target), run.rows(target), patch=patch)
+    return Fitted(fitted, measure_distances(fitted, target), run.rows(target, fitted), patch=patch)
 
 
 @dataclass
@@ -230,14 +231,19 @@ class _Run:
     def note_without(self, is_held: BoolArray) -> None:
         """Add rows on points that follow no surface."""
         sides = self.layered.sides
-        at_held = np.unique(sides[is_held])
-        self.note(at_held, "smoothed staircase", "topology was changed on purpose")
-        alone = np.setdiff1d(np.unique(sides), np.flatnonzero(self.goals.is_led))
-        alone = np.setdiff1d(alone, at_held)
-        self.note(alone, "smoothed staircase", "no surface within reach")
+        at_held, points = np.unique(sides[is_held]), np.unique(sides)
+        self.note(at_held, "smoothed staircase", CHANGED)
+        is_alone = ~self.goals.is_led[points] | find_loose(
+            self.points[points], self.boundary.attraction.target
+        )
+        alone = np.setdiff1d(points[is_alone], at_held)
+        self.note(alone, "smoothed staircase", NO_SURFACE)
 
-    def rows(self, target: Target) -> pd.DataFrame:
-        """Return a row for each connected part, with the middle of its points in model units."""
+    def rows(self, target: Target, mesh: VolumeMesh) -> pd.DataFrame:
+        """Return a row for each connected part, and for each part of the surface that is left out.
+
+        Places are the middles of their points, in model units.
+        """
         columns = [c for c in FELL_BACK_COLUMNS if c != "z"]
         grid = target.grid
         rows = []
@@ -245,7 +251,9 @@ class _Run:
             for part in find_runs(points, self.layered.sides):
                 x, y = grid.to_points(self.points[part].mean(axis=0)[None])[0]
                 rows.append((float(x), float(y), len(part), what, why))
-        return pd.DataFrame(rows, columns=columns)
+        left_out = list_left_out(mesh, target)
+        found = pd.DataFrame(rows, columns=columns)
+        return pd.concat([found, left_out], ignore_index=True) if len(found) else left_out
 
 
 def _held_sides(mesh: VolumeMesh, layered: Layered, target: Target) -> BoolArray:
