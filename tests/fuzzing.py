@@ -1,15 +1,17 @@
 """Read damaged files, each in a separate limited process: ``python fuzzing.py FIRST COUNT``.
 
-File number k is always damaged in the same way.  One JSON object is printed for each file.
+File number k is always damaged in the same way.  One JSON object is printed for each fault, and a
+count of the others.  ``--only '*.3mf'`` damages the samples of one format, ``--keep FOLDER`` keeps
+the files that show a fault.
 """
 
+import argparse
 import json
 import math
 import os
 import re
 import resource
 import signal
-import sys
 import tempfile
 import traceback
 from collections import Counter
@@ -151,11 +153,11 @@ def read_apart(path):
     return json.loads(text)
 
 
-def main(first, count, kept):
+def main(first, count, only, kept):
     """Read some files, and keep those that are faults."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        samples = write_samples(folder)
+        samples = [path for path in write_samples(folder) if path.match(only)]
         for path in samples:
             read_file(
                 path, image=OPTIONS.get(path.suffix), lengths=LENGTHS.get(path.suffix)
@@ -178,4 +180,10 @@ def main(first, count, kept):
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3] if len(sys.argv) > 3 else None)
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("first", type=int)
+    parser.add_argument("count", type=int)
+    parser.add_argument("--only", default="*")
+    parser.add_argument("--keep")
+    given = parser.parse_args()
+    main(given.first, given.count, given.only, given.keep)

@@ -20,6 +20,7 @@ import shapefile
 import shapely
 import tifffile
 import trimesh
+from PIL import Image as Pillow
 from step_files import iges_patch, step_box
 
 from tusqh.settings.lengths import Lengths
@@ -303,10 +304,14 @@ def write_images(folder):
     (folder / "ball.spn").write_text("\n".join(rows) + "\n")
     write_nifti(folder / "ball.nii", ball, np.eye(4)[:3])
     write_nifti(folder / "big.nii.gz", ball, np.eye(4)[:3], order=">")
+    turned = np.array([[0.8, -0.6, 0, 0], [0.6, 0.8, 0, 0], [0, 0, 1, 0]])
+    write_nifti(folder / "turned.nii", ball, turned)
     write_metaimage(folder / "ball.mha", ball, np.eye(3), [0.0, 0, 0])
     write_metaimage(folder / "ball.mhd", ball, np.eye(3), [0.0, 0, 0], is_packed=True)
     write_dicom(folder / "frames.dcm", ball)
     nrrd.write(str(folder / "apart.nhdr"), ball, {"encoding": "raw"})
+    Pillow.fromarray(ball[:, :, 3]).save(folder / "ball.png")
+    Pillow.fromarray(ball[:, :, 3]).save(folder / "ball.jpg")
     for encoding in ("raw", "gzip", "bzip2", "ascii"):
         nrrd.write(str(folder / f"{encoding}.nrrd"), ball, {"encoding": encoding})
 

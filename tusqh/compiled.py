@@ -67,6 +67,7 @@ def _compile_sampling() -> None:
     from tusqh.pipeline.insides import compare_insides
     from tusqh.pipeline.sample import sample
     from tusqh.quality.thickness import measure_thickness
+    from tusqh.readers.boxes_to_cubes import resample_turned
     from tusqh.settings.grid import Grid
     from tusqh.settings.model import Settings
 
@@ -81,6 +82,8 @@ def _compile_sampling() -> None:
         describe_geometry(geometry)
         sample(geometry, grid=Grid(cells=8), threshold=0.5)
         measure_thickness(geometry)
+    turn = np.array([[0.8, 0.6, 0.0], [-0.6, 0.8, 0.0], [0.0, 0.0, 2.0]])
+    resample_turned(np.random.default_rng(0).random((2, 2, 2)), turn, np.zeros(3), 0.5)
 
 
 def _compile_meshing() -> None:

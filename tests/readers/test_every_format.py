@@ -293,7 +293,7 @@ def test_kml_is_projected_and_a_geopackage_states_its_system(tmp_path):
         ("a.dwg", "save it as DXF"),
         ("a.gml", "ogr2ogr"),
         ("a.fbx", "glTF"),
-        ("a.png", "SVG"),
+        ("a.bmp", "PNG"),
         ("a.mgz", "NIfTI"),
         ("IM0001", "rename all files to .dcm"),
     ],

@@ -14,7 +14,7 @@ from tusqh.settings.effect import find_without_effect
 from tusqh.settings.model import Model, Settings
 from tusqh.settings.section import Section
 
-KINDS = ("outline", "surface", "image")
+KINDS = ("outline", "surface", "image", "picture")
 #: For every option of a mesh, a value that is not the default.
 VALUES = {
     **{"cells": "9", "cell_size": "0.5", "placement": "corner", "samples": "6"},
@@ -47,6 +47,7 @@ WITHOUT_EFFECT = {
     "outline": IMAGES | VOIDS | LOCAL,
     "surface": IMAGES | HOLES | LOCAL | {"crs"},
     "image": SAMPLING | HOLES | LOCAL | {"crs"},
+    "picture": SAMPLING | VOIDS | LOCAL | {"crs"},
 }
 
 
@@ -59,6 +60,8 @@ def geometry(kind):
     image[1:5, 1:4, 2:5] = 1
     if kind == "image":
         return image
+    if kind == "picture":
+        return image[:, :, 2]
     corners = np.array(np.unravel_index(range(8), (2, 2, 2))).T * (1.0, 2.0, 1.5)
     quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
     return corners, np.array(
@@ -101,6 +104,7 @@ def test_every_option_that_is_named_leaves_the_mesh_unchanged(kind):
         ("outline", "voids", "`voids` of a 2D model"),
         ("surface", "holes", "`holes` of a 3D model"),
         ("image", "holes", "`holes` of a 3D model"),
+        ("picture", "voids", "`voids` of a 2D model"),
     ],
 )
 def test_criteria_for_features_of_the_other_dimension_are_refused(kind, section, message):
@@ -109,7 +113,7 @@ def test_criteria_for_features_of_the_other_dimension_are_refused(kind, section,
 
 
 def test_the_default_is_never_named():
-    assert [list(find_without_effect(Settings(), kind)) for kind in KINDS] == [[], [], []]
+    assert [list(find_without_effect(Settings(), kind)) for kind in KINDS] == [[]] * len(KINDS)
 
 
 def test_a_setting_that_needs_another_one_is_named_with_it():
@@ -136,7 +140,7 @@ def test_the_local_scope_needs_a_wish_for_a_topology():
 def test_the_panels_of_a_model_apply_to_outlines():
     model = Model.from_dict({"geometry": "a.stl", "panels": [0.5, 0.4, 0.3]})
     assert list(find_without_effect(model, "surface")) == [
-        "`panels` applies only to outlines, in 2D"
+        "`panels` applies only to outlines and pictures"
     ]
 
 
@@ -144,7 +148,8 @@ def test_the_remark_says_what_to_do():
     settings = Settings.from_dict({"image": {"channel": 1}})
     reading = note_unused_settings(read_source(geometry("surface")), settings)
     assert str(reading.remarks[-1]) == (
-        "noted: 1 setting without effect: `image.channel` applies only to images (remove it)"
+        "noted: 1 setting without effect: `image.channel` applies only to images and pictures "
+        "(remove it)"
     )
 
 

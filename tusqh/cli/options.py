@@ -16,10 +16,10 @@ from tusqh.settings.arguments import Argument, from_options, options_of
 from tusqh.settings.model import Settings
 from tusqh.settings.validate import refuse_unknown
 
-#: What a geometry argument may be: the formats of outlines, surfaces and images.
+#: What a geometry argument may be: the formats of outlines, surfaces, images and pictures.
 FORMATS = "; ".join(
     ", ".join(found.name for found in formats.FORMATS if found.kind == kind)
-    for kind in ("outline", "surface", "image")
+    for kind in ("outline", "surface", "image", "picture")
 )
 
 Source = Annotated[

@@ -261,7 +261,7 @@ def geometry_arrays(geometry: Geometry, grid: BackgroundGrid) -> Arrays:
         The background grid; coordinates are in its cells.
     """
     if isinstance(geometry, Image):
-        points, pieces = np.zeros((1, 3)), np.empty((0, 3), dtype=np.int64)
+        points, pieces = np.zeros((1, grid.dim)), np.empty((0, grid.dim), dtype=np.int64)
     elif isinstance(geometry, Outline):
         points, pieces = _in_cells(geometry.points, grid), geometry.segments
     else:

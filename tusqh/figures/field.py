@@ -10,19 +10,22 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from tusqh.figures import style
+from tusqh.geometry.image import Image
 from tusqh.geometry.outline import Outline
 from tusqh.sampling.fractions import VolumeFractions
 
 
-def draw_field(fractions: VolumeFractions, outline: Outline, *, name: str, unit: str) -> Figure:
+def draw_field(
+    fractions: VolumeFractions, geometry: Outline | Image, *, name: str, unit: str
+) -> Figure:
     """Return a figure of the fractions on the doubled grid, and of the cell farthest from [0, 1].
 
     Parameters
     ----------
     fractions
         Volume fractions, which are below 0 or above 1 where borders overlap.
-    outline
-        The geometry, drawn over them.
+    geometry
+        The outline or picture, drawn over them.
     name
         The model, for the title.
     unit
@@ -67,7 +70,7 @@ def draw_field(fractions: VolumeFractions, outline: Outline, *, name: str, unit:
             cmap=colours,
             interpolation="nearest",
         )
-        style.draw_outline(panel, outline, scale)
+        style.draw_outline(panel, geometry, scale)
         style.frame(panel, low, high, unit)
     side = grid.cell_size / scale
     mark = Rectangle(tuple(middle - side / 2), side, side, fill=False, edgecolor="white")

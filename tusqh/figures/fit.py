@@ -60,8 +60,8 @@ def draw_fit(
     up
         Axis that points up, for solids.
     """
-    if isinstance(geometry, Outline):
-        figure = _draw_outline(geometry, staircase, fitted, unit)
+    if isinstance(geometry, Outline) or (isinstance(geometry, Image) and geometry.dim == 2):
+        figure = _draw_plane(geometry, staircase, fitted, unit)
     else:
         figure = _draw_solid(geometry, staircase, fitted, up)
     least = fitted.measurement.smallest_scaled_jacobian
@@ -78,7 +78,9 @@ def _titles(staircase: VolumeMesh, fitted: VolumeMesh) -> list[str]:
     ]
 
 
-def _draw_outline(outline: Outline, staircase: VolumeMesh, fitted: VolumeMesh, unit: str) -> Figure:
+def _draw_plane(
+    geometry: Outline | Image, staircase: VolumeMesh, fitted: VolumeMesh, unit: str
+) -> Figure:
     low, high = staircase.points.min(axis=0), staircase.points.max(axis=0)
     scale, unit = style.length_scale(float((high - low).max()), unit)
     margin = 0.02 * (high - low).max()
@@ -103,12 +105,15 @@ def _draw_outline(outline: Outline, staircase: VolumeMesh, fitted: VolumeMesh, u
         style.draw_polygons(panel, mesh.points / scale, mesh.cells, colour=colour, line_width=0.25)
         panel.set_title(title)
     for panel in panels:
-        lines = outline.points[outline.segments] / scale
+        lines = style.lines_of(geometry) / scale
         panel.add_collection(
             mpl.collections.LineCollection(list(lines), colors=style.SECTION, linewidths=0.8)
         )
         style.frame(panel, low, high, unit)
-    panels[0].set_title(f"the model: {outline.n_segments:,} segments")
+    if isinstance(geometry, Outline):
+        panels[0].set_title(f"the model: {geometry.n_segments:,} segments")
+    else:
+        panels[0].set_title(f"the model: {geometry.voxels.size:,} pixels")
     _add_scale(figure, panels[-1])
     return figure
 

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from tusqh.atomic import replacing
 from tusqh.figures.theme import PALETTE, THEME
 from tusqh.figures.units import length_scale as length_scale
+from tusqh.geometry.image import Image
 from tusqh.geometry.outline import Outline
 from tusqh.grid import FloatArray, IntArray
 
@@ -176,19 +177,49 @@ def draw_polygons(
     )
 
 
-def draw_outline(axes: Axes, outline: Outline, scale: float) -> None:
+def lines_of(geometry: Outline | Image) -> FloatArray:
+    """Return the segments of an outline, or those between full and empty pixels of a picture.
+
+    Parameters
+    ----------
+    geometry
+        The outline or picture.
+
+    Returns
+    -------
+    lines
+        Ends of the segments, shape (n, 2, 2).
+
+    Examples
+    --------
+    >>> len(lines_of(Image(np.array([[0.0, 1.0], [1.0, 1.0]]))))
+    8
+    """
+    if isinstance(geometry, Outline):
+        return np.asarray(geometry.points[geometry.segments])
+    is_full = np.pad(geometry.fractions() >= 0.5, 1)
+    lines = []
+    for axis in range(2):
+        start = np.argwhere(np.diff(is_full, axis=axis))
+        start[:, 1 - axis] -= 1  # The padding, which the difference removes along the other axis.
+        lines.append(np.stack([start, start + np.eye(2, dtype=np.int64)[1 - axis]], axis=1))
+    corners = np.concatenate(lines) * geometry.voxel_size
+    return np.asarray(corners + np.asarray(geometry.origin))
+
+
+def draw_outline(axes: Axes, geometry: Outline | Image, scale: float) -> None:
     """Draw the geometry as thin grey lines.
 
     Parameters
     ----------
     axes
         The axes on which to draw.
-    outline
-        The geometry.
+    geometry
+        The outline or picture.
     scale
         Divisor of coordinates.
     """
-    lines = outline.points[outline.segments] / scale
+    lines = lines_of(geometry) / scale
     axes.add_collection(LineCollection(list(lines), colors=OUTLINE, linewidths=0.4, zorder=3))
 
 

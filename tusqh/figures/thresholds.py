@@ -10,11 +10,17 @@ from matplotlib.patches import Patch
 
 from tusqh.antialias.cells import CellSets
 from tusqh.figures import style
+from tusqh.geometry.image import Image
 from tusqh.geometry.outline import Outline
 
 
 def draw_thresholds(
-    cell_sets: CellSets, outline: Outline, thresholds: Sequence[float], *, name: str, unit: str
+    cell_sets: CellSets,
+    geometry: Outline | Image,
+    thresholds: Sequence[float],
+    *,
+    name: str,
+    unit: str,
 ) -> Figure:
     """Return the paper's figure of a model at several thresholds.
 
@@ -22,8 +28,8 @@ def draw_thresholds(
     ----------
     cell_sets
         The cells of every threshold.
-    outline
-        The geometry, drawn over the cells.
+    geometry
+        The outline or picture, drawn over the cells.
     thresholds
         The thresholds, each of which gets one panel.
     name
@@ -54,7 +60,7 @@ def draw_thresholds(
             points = grid.to_points(corners.reshape(-1, 2)) / scale
             quads = np.arange(len(points)).reshape(-1, 4)
             style.draw_polygons(panel, points, quads, colour=colour, line_width=0.15)
-        style.draw_outline(panel, outline, scale)
+        style.draw_outline(panel, geometry, scale)
         style.frame(panel, lower, upper, unit)
         predicted = cells.predicted
         panel.set_title(

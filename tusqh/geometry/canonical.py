@@ -151,6 +151,7 @@ def _from_image(image: Image) -> Any:
     """Return the box of an image, with its voxels in C order."""
     low, high = image.bounding_box()
     bounds = [x for pair in zip(low, high, strict=True) for x in pair]
+    bounds += [0.0, 0.0] * (3 - image.dim)
     data = require("pyvista", extra="formats").Box(bounds).extract_all_edges()
     data.clear_data()
     # VTK has no Boolean type.
@@ -166,14 +167,14 @@ def _from_image(image: Image) -> Any:
 def _to_image(data: Any) -> Image:
     """Return the image in field data."""
     about = json.loads(str(data.field_data["about"][0]))
-    voxel_size, empty, full, x, y, z = (float(number) for number in data.field_data["numbers"])
+    voxel_size, empty, full, *origin = (float(number) for number in data.field_data["numbers"])
     voxels = np.array(data.field_data[_VOXELS]).astype(np.dtype(about["dtype"]))
     return Image(
         voxels=voxels.reshape(about["shape"]),
         voxel_size=voxel_size,
         empty=empty,
         full=full,
-        origin=(x, y, z),
+        origin=tuple(origin),
         name=about["name"],
     )
 

@@ -10,7 +10,7 @@ from tusqh.geometry.kinds import Geometry
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.soup_defects import SOUP_DEFECTS
 from tusqh.geometry.soup_facts import SoupFacts
-from tusqh.geometry.voxel_counts import VOXEL_COUNTS, VoxelFacts
+from tusqh.geometry.voxel_counts import PIXEL_COUNTS, VOXEL_COUNTS, VoxelFacts
 
 
 def describe_defects(geometry: Geometry) -> pd.DataFrame:
@@ -45,7 +45,8 @@ def describe_defects(geometry: Geometry) -> pd.DataFrame:
     (1, 0)
     """
     if isinstance(geometry, Image):
-        return tabulate_defects(VOXEL_COUNTS, VoxelFacts(geometry), unit=geometry.unit)
+        rows = PIXEL_COUNTS if geometry.dim == 2 else VOXEL_COUNTS
+        return tabulate_defects(rows, VoxelFacts(geometry), unit=geometry.unit)
     if isinstance(geometry, Outline):
         from tusqh.geometry.outline_defects import OUTLINE_DEFECTS
         from tusqh.geometry.outline_facts import OutlineFacts

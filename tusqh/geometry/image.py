@@ -1,4 +1,4 @@
-"""The image: voxels in space, each with a volume fraction of material."""
+"""The image: voxels in space or pixels in the plane, each with a volume fraction of material."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ __all__ = ["Image"]
 
 @dataclass(frozen=True)
 class Image:
-    """Cubic voxels of constant volume fraction, exactly as measured, without filtering.
+    """Cubic voxels, or square pixels, of constant volume fraction, as measured, without filtering.
 
     Parameters
     ----------
     voxels
-        Grey values, shape (nx, ny, nz), any real dtype, indexed ``[i, j, k]`` = (x, y, z).
+        Grey values, shape (nx, ny, nz) or (nx, ny), any real dtype, indexed ``[i, j, k]`` =
+        (x, y, z).
     voxel_size
         Edge length of a voxel, in the units of the model.
     empty, full
@@ -30,7 +31,7 @@ class Image:
         beyond them.
         ``empty > full`` makes dark voxels the material.
     origin
-        Lowest corner of voxel (0, 0, 0), in the units of the model.
+        Lowest corner of the first voxel, in the units of the model; empty: 0.
     name
         Where it came from, for messages.
     unit
@@ -39,32 +40,36 @@ class Image:
     Raises
     ------
     GeometryError
-        The array does not have three axes or has no voxels; a value is not a finite real number;
-        the voxel size is not positive; or `empty` and `full` are equal.
+        The array does not have two or three axes, or has no voxels; a value is not a finite real
+        number; the voxel size is not positive; or `empty` and `full` are equal.
 
     Examples
     --------
     >>> image = Image(np.array([[[0, 50, 200]]], dtype=np.uint8), 0.5, empty=0, full=100)
     >>> image.fractions().tolist(), image.bounding_box()
     ([[[0.0, 0.5, 1.0]]], ((0.0, 0.0, 0.0), (0.5, 0.5, 1.5)))
+    >>> Image(np.ones((4, 3))).bounding_box()
+    ((0.0, 0.0), (4.0, 3.0))
     """
 
     voxels: NDArray[Any]
     voxel_size: float = 1.0
     empty: float = 0.0
     full: float = 1.0
-    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    origin: tuple[float, ...] = ()
     name: str = "image"
     unit: str = ""
 
     def __post_init__(self) -> None:
-        if self.voxels.ndim != 3 or self.voxels.size == 0:
+        if self.voxels.ndim not in (2, 3) or self.voxels.size == 0:
             raise _wrong(
                 f"the image has shape {self.voxels.shape}",
                 name=self.name,
-                expected="three axes (x, y, z) with at least one voxel each",
-                remedy="give a stack of grey images, not a single slice, and without colours",
+                expected="two or three axes (x, y, z) with at least one voxel each",
+                remedy="give a grey picture, or a stack of grey slices, without colours",
             )
+        if not self.origin:
+            object.__setattr__(self, "origin", (0.0,) * self.voxels.ndim)
         if self.voxels.dtype.kind not in "buif" or not np.isfinite(self.voxels).all():
             raise _wrong(
                 f"voxels of type {self.voxels.dtype} are not all finite real numbers",
@@ -88,10 +93,14 @@ class Image:
             )
 
     @property
-    def shape(self) -> tuple[int, int, int]:
+    def shape(self) -> tuple[int, ...]:
         """Number of voxels along each axis."""
-        n_x, n_y, n_z = self.voxels.shape
-        return n_x, n_y, n_z
+        return self.voxels.shape
+
+    @property
+    def dim(self) -> int:
+        """Number of axes: 2 for a picture, which is a model in the plane, 3 for an image."""
+        return self.voxels.ndim
 
     def bounding_box(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Return the lowest and the highest corner of the image.
@@ -123,7 +132,7 @@ class Image:
         voxel_size: float = 1.0,
         empty: float | None = None,
         full: float | None = None,
-        origin: Sequence[float] = (0.0, 0.0, 0.0),
+        origin: Sequence[float] = (),
         name: str = "image",
     ) -> Image:
         """Return the image of grey values; their type gives the defaults of `empty` and `full`.
@@ -134,13 +143,13 @@ class Image:
         Parameters
         ----------
         voxels
-            Grey values, shape (nx, ny, nz).
+            Grey values, shape (nx, ny, nz) or (nx, ny).
         voxel_size
             Edge length of a voxel, in the units of the model.
         empty, full
             Grey values of fraction 0 and 1; None for the defaults.
         origin
-            Lowest corner of voxel (0, 0, 0), in the units of the model.
+            Lowest corner of the first voxel, in the units of the model; empty: 0.
         name
             Where it came from, for messages.
 
@@ -163,7 +172,7 @@ class Image:
             voxel_size=float(voxel_size),
             empty=0.0 if empty is None else float(empty),
             full=greatest if full is None else float(full),
-            origin=(float(origin[0]), float(origin[1]), float(origin[2])),
+            origin=tuple(map(float, origin)),
             name=name,
         )
         if not is_known and (voxels.min() < 0 or voxels.max() > greatest):

@@ -131,7 +131,7 @@ def scaled(geometry: AnyGeometry, factor: float, *, unit: str) -> AnyGeometry:
     if factor == 1.0:
         return replace(geometry, unit=unit)
     if isinstance(geometry, Image):
-        x, y, z = (factor * o for o in geometry.origin)
+        origin = tuple(factor * o for o in geometry.origin)
         size = factor * geometry.voxel_size
-        return replace(geometry, voxel_size=size, origin=(x, y, z), unit=unit)
+        return replace(geometry, voxel_size=size, origin=origin, unit=unit)
     return replace(geometry, points=geometry.points * factor, unit=unit)

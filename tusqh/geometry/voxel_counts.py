@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
-from tusqh.geometry.defect import VOLUME, defect
+from tusqh.geometry.defect import AREA, VOLUME, Defect, defect
 from tusqh.geometry.image import Image
 from tusqh.grid import FloatArray
 
@@ -24,12 +25,12 @@ class VoxelFacts:
 
     def __init__(self, image: Image) -> None:
         self.image = image
-        #: Volume of a voxel, in model units cubed.
-        self.volume = image.voxel_size**3
+        #: Volume of a voxel, or area of a pixel, in powers of the model unit.
+        self.volume = image.voxel_size**image.dim
 
     @cached_property
     def fractions(self) -> FloatArray:
-        """Volume fractions of the voxels, shape (nx, ny, nz)."""
+        """Volume fractions of the voxels, shape of the image."""
         return self.image.fractions()
 
 
@@ -63,3 +64,13 @@ def _clipped_voxels(facts: VoxelFacts) -> Found:
 
 #: All rows of an image, in the order of the table.
 VOXEL_COUNTS = (_voxels, _material_voxels, _partial_voxels, _clipped_voxels)
+
+
+def _of_picture(row: Defect[VoxelFacts]) -> Defect[VoxelFacts]:
+    """Return a row with the words and the unit for pixels."""
+    words = row.explanation.replace("voxels", "pixels").replace("volume", "area")
+    return replace(row, unit=AREA if row.unit == VOLUME else row.unit, explanation=words)
+
+
+#: All rows of a picture.
+PIXEL_COUNTS = tuple(_of_picture(row) for row in VOXEL_COUNTS)

@@ -10,6 +10,7 @@ import pandas as pd
 
 from tusqh.geometry.defect import Defect, tabulate_defects
 from tusqh.geometry.image import Image
+from tusqh.geometry.kinds import kind_of
 from tusqh.geometry.outline import Outline
 from tusqh.geometry.soup_defects import SOUP_DEFECTS
 from tusqh.geometry.soup_facts import SoupFacts
@@ -20,6 +21,7 @@ _COUNTS = {
     "surface": (("parts", "triangles", "points"), "boundary_edges"),
     "outline": (("chains", "segments", "points"), "open_ends"),
     "image": (("voxels_x", "voxels_y", "voxels_z"), ""),
+    "picture": (("pixels_x", "pixels_y"), ""),
 }
 _SOURCES = {"file": "stated by the file", "format": "fixed by the format", "settings": "as given"}
 
@@ -38,7 +40,8 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
         ``name``, ``format``, ``kind``; ``counts`` of parts (chains), faces (segments) and points,
         or of voxels along each axis; ``box``, the lowest and the highest corner; ``unit`` with its
         ``name`` (None if there is none) and ``source`` (file, format, settings or none);
-        ``closed`` (None for images); and ``remarks``, each with effect, what, count and remedy.
+        ``closed`` (None for images and pictures); and ``remarks``, each with effect, what, count
+        and remedy.
 
     Examples
     --------
@@ -49,18 +52,19 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
     ({'segments': 2, 'chains': 1, 'open_ends': 2, 'points': 3}, False)
     """
     geometry = reading.geometry
+    kind = kind_of(geometry)
     if isinstance(geometry, Image):
-        kind, counts = "image", dict(zip(_COUNTS["image"][0], geometry.shape, strict=True))
+        counts = dict(zip(_COUNTS[kind][0], geometry.shape, strict=True))
     elif isinstance(geometry, Outline):
         from tusqh.geometry.outline_defects import OUTLINE_DEFECTS
         from tusqh.geometry.outline_facts import OutlineFacts
 
         of_outline = OutlineFacts(geometry)
-        kind, table = "outline", tabulate_defects(_chosen(OUTLINE_DEFECTS), of_outline)
+        table = tabulate_defects(_chosen(OUTLINE_DEFECTS), of_outline)
         counts = _with_points(table, len(of_outline.points))
     else:
         of_soup = SoupFacts(geometry)
-        kind, table = "surface", tabulate_defects(_chosen(SOUP_DEFECTS), of_soup)
+        table = tabulate_defects(_chosen(SOUP_DEFECTS), of_soup)
         counts = _with_points(table, len(of_soup.points))
     return {
         "name": geometry.name,
@@ -69,7 +73,7 @@ def describe_reading(reading: Reading) -> dict[str, Any]:
         "counts": counts,
         "box": [list(corner) for corner in geometry.bounding_box()],
         "unit": {"name": reading.unit or None, "source": reading.unit_source},
-        "closed": None if kind == "image" else not counts[_COUNTS[kind][1]],
+        "closed": None if isinstance(geometry, Image) else not counts[_COUNTS[kind][1]],
         "remarks": [asdict(remark) for remark in reading.remarks],
     }
 
@@ -93,8 +97,9 @@ def lines_of_reading(facts: Mapping[str, Any]) -> dict[str, str]:
     unit: not stated
     """
     counts, (nouns, fault) = facts["counts"], _COUNTS[facts["kind"]]
-    if facts["kind"] == "image":
-        text = " x ".join(f"{counts[noun]:,}" for noun in nouns) + " voxels"
+    if not fault:
+        text = " x ".join(f"{n:,}" for n in counts.values())
+        text += f" {nouns[0].partition('_')[0]}"
     else:
         is_open = f"open ({_in_words(counts[fault], fault)})"
         texts = [_in_words(counts[noun], noun) for noun in nouns]

@@ -33,9 +33,9 @@ def ingest(
     ----------
     source
         A path, or ``"package:NAME/FILE"`` for a file of an installed package; a mesh or scene of
-        trimesh; a dataset of pyvista; an array of voxels of shape (nx, ny, nz); a pair of
-        arrays: points of shape (n, 3) with triangles of shape (m, 3), or points of shape (n, 2)
-        with segments of shape (m, 2); or an `Outline`, `Soup` or `Image`.
+        trimesh; a dataset of pyvista; an array of voxels of shape (nx, ny, nz), or of pixels of
+        shape (nx, ny); a pair of arrays: points of shape (n, 3) with triangles of shape (m, 3), or
+        points of shape (n, 2) with segments of shape (m, 2); or an `Outline`, `Soup` or `Image`.
     name
         Name, in messages, of a geometry from memory.
     image

@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
-from tusqh.geometry.image import Image
-from tusqh.geometry.outline import Outline
+from tusqh.geometry.kinds import kind_of
 from tusqh.geometry.remark import Remark
 from tusqh.pipeline.ingest import read_source
 from tusqh.readers.reading import Reading
@@ -42,10 +41,7 @@ def note_unused_settings(reading: Reading, settings: Settings) -> Reading:
     settings
         The given settings.
     """
-    kinds = {Image: "image", Outline: "outline"}
-    return with_unused(
-        reading, find_without_effect(settings, kinds.get(type(reading.geometry), "surface"))
-    )
+    return with_unused(reading, find_without_effect(settings, kind_of(reading.geometry)))
 
 
 def with_unused(reading: Reading, unused: Iterable[str]) -> Reading:

@@ -20,6 +20,8 @@ from tusqh.settings.field import entries_of
 from tusqh.settings.lengths import Lengths
 from tusqh.settings.voxels import Voxels
 
+#: Kinds of geometry that consist of grey values or labels.
+_WITH_VALUES = ("image", "picture")
 _IMAGE_OPTIONS = tuple(entry.name for entry in entries_of(Voxels))
 
 
@@ -54,7 +56,7 @@ def read_file(
         The library that reads the format is not installed.
     """
     found, lengths = find_format(str(path)), lengths or Lengths()
-    _check_options(path, image or {}, is_image=found.kind == "image")
+    _check_options(path, image or {}, is_image=found.kind in _WITH_VALUES)
     if found.module != "spn":
         require_stated_shape(image or {}, where=str(path))
     check_file(path, found)
@@ -62,7 +64,7 @@ def read_file(
         require(found.library, extra=found.extra)
     reader = import_module(f"tusqh.readers.{found.module}")
     try:
-        is_image = found.kind == "image"
+        is_image = found.kind in _WITH_VALUES
         options: dict[str, Any] = {"meaning": Voxels(**(image or {}))} if is_image else {}
         if found.is_map:
             options["crs"] = lengths.crs
@@ -90,7 +92,7 @@ def _check_options(path: Path, image: Mapping[str, Any], *, is_image: bool) -> N
         raise GeometryError(
             f"`image` is given for a file of type {path.suffix.lower()!r}",
             where=str(path),
-            expected=f"an image: {', '.join(suffixes_of('image'))}",
+            expected=f"an image: {', '.join(suffixes_of(*_WITH_VALUES))}",
             remedy="remove `image`",
         )
     unknown = sorted(set(image) - set(_IMAGE_OPTIONS))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 from tusqh.errors import GeometryError
+from tusqh.geometry.kinds import Kind
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class Format:
     suffixes
         Suffixes of its files, in lower case.
     kind
-        Content of its files: an outline in 2D, a surface or an image in 3D.
+        Content of its files: an outline or a picture in 2D, a surface or an image in 3D.
     module
         The module in `tusqh.readers` that reads it.
     library
@@ -38,7 +38,7 @@ class Format:
 
     name: str
     suffixes: tuple[str, ...]
-    kind: Literal["outline", "surface", "image"]
+    kind: Kind
     module: str
     library: str | None = None
     extra: str | None = None
@@ -85,6 +85,8 @@ FORMATS = (
     Format("NIfTI", (".nii", ".nii.gz"), "image", "nifti", growth=1),
     Format("MetaImage", (".mha", ".mhd"), "image", "metaimage", growth=1),
     Format("DICOM", (".dcm",), "image", "dicom", "pydicom", "formats", growth=3),
+    Format("PNG", (".png",), "picture", "picture", "PIL", "formats"),
+    Format("JPEG", (".jpg", ".jpeg"), "picture", "picture", "PIL", "formats"),
 )
 # fmt: on
 
@@ -102,7 +104,7 @@ _REMEDIES = {
     **dict.fromkeys((".gml", ".fgb", ".tab", ".mif"), "convert it with ogr2ogr OUT.gpkg FILE"),
     ".kmz": "unpack it, and give the KML file in it",
     **dict.fromkeys((".fbx", ".blend", ".3ds", ".dae", ".usdz"), "export it as glTF (.glb)"),
-    **dict.fromkeys((".png", ".jpg", ".jpeg", ".bmp"), "trace its outlines and save them as SVG"),
+    **dict.fromkeys((".bmp", ".gif", ".webp", ".jp2"), "save it as PNG (.png)"),
     **dict.fromkeys((".ima", ".dicom", ""), "if it is a DICOM file, rename all files to .dcm"),
     **dict.fromkeys((".img", ".hdr", ".mgz"), "convert it to NIfTI (.nii.gz)"),
     **dict.fromkeys((".raw", ".vol"), "write a header for it, as MHD or NHDR"),
@@ -163,7 +165,7 @@ def suffixes_of(*kinds: str) -> list[str]:
     Parameters
     ----------
     *kinds
-        "outline", "surface" or "image".
+        "outline", "surface", "image" or "picture".
 
     Examples
     --------
@@ -179,7 +181,7 @@ def suffixes_of(*kinds: str) -> list[str]:
 
 
 def dimension_of(geometry: str) -> int:
-    """Return 2 for files of outlines and 3 for files of surfaces and images.
+    """Return 2 for files of outlines and pictures, and 3 for files of surfaces and images.
 
     Parameters
     ----------
@@ -193,7 +195,7 @@ def dimension_of(geometry: str) -> int:
 
     Examples
     --------
-    >>> dimension_of("part.STL"), dimension_of("foam.tif"), dimension_of("bay.geojson")
+    >>> dimension_of("part.STL"), dimension_of("foam.tif"), dimension_of("cut.png")
     (3, 3, 2)
     """
-    return 2 if find_format(geometry).kind == "outline" else 3
+    return 2 if find_format(geometry).kind in ("outline", "picture") else 3

@@ -29,7 +29,8 @@ class Place(NamedTuple):
     Parameters
     ----------
     sides
-        Side lengths of a voxel along x, y and z; 1 if the file states none.
+        Side lengths of a voxel along x, y and z; 1 if the file states none.  Those of
+        pictures are along x and y.
     origin
         Lowest corner of voxel (0, 0, 0), in the file's unit; a given voxel size scales it.
     unit
@@ -146,11 +147,11 @@ def to_cubes(
     GeometryError
         Cubes need too much memory, or the voxels are labels of several materials.
     """
-    sides, steps = np.asarray(place.sides, dtype=np.float64), place.steps
+    sides, steps = np.asarray(place.sides[: image.dim], dtype=np.float64), place.steps
     if steps is not None:
         sides = np.linalg.norm(steps, axis=1)
-    given = sides if voxel_size is None else np.full(3, voxel_size)
-    origin = np.asarray(place.origin, dtype=np.float64) / sides * given
+    given = sides if voxel_size is None else np.full(image.dim, voxel_size)
+    origin = np.asarray(place.origin[: image.dim], dtype=np.float64) / sides * given
     if not (np.isfinite(given).all() and (given > 0).all()):
         shown = " x ".join(f"{s:g}" for s in given)
         raise GeometryError(
@@ -185,8 +186,7 @@ def to_cubes(
 
 def _placed(image: Image, size: float, origin: FloatArray) -> Image:
     """Return an image with its size and place."""
-    x, y, z = origin.tolist()
-    return Image(image.voxels, size, image.empty, image.full, (x, y, z), image.name)
+    return Image(image.voxels, size, image.empty, image.full, tuple(origin.tolist()), image.name)
 
 
 def _refuse_labels(where: str, image: Image, shown: str) -> None:

@@ -45,7 +45,7 @@ def count_values(voxels: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.in
     Parameters
     ----------
     voxels
-        Integers, shape (nx, ny, nz).
+        Integers, shape (nx, ny, nz) or (nx, ny).
 
     Returns
     -------
@@ -79,7 +79,7 @@ def look_like_labels(voxels: NDArray[Any], values: NDArray[np.int64]) -> bool:
     Parameters
     ----------
     voxels
-        Integers, shape (nx, ny, nz).
+        Integers, shape (nx, ny, nz) or (nx, ny).
     values
         The distinct values, ascending.
 
@@ -98,7 +98,7 @@ def look_like_labels(voxels: NDArray[Any], values: NDArray[np.int64]) -> bool:
     for block in _blocks(voxels):
         between = (block > values[0]) & (block < values[-1])
         in_region = between.copy()
-        for axis in range(3):
+        for axis in range(block.ndim):
             if block.shape[axis] < 2:
                 continue
             ahead, behind = _halves(block, axis)

@@ -26,9 +26,10 @@ def read_object(
     Parameters
     ----------
     source
-        A mesh or scene of trimesh; a dataset of pyvista; an array of voxels, shape (nx, ny, nz); a
-        pair of arrays: points, shape (n, 3), with triangles, shape (m, 3), or points, shape
-        (n, 2), with segments, shape (m, 2); or an `Outline`, `Soup` or `Image`.
+        A mesh or scene of trimesh; a dataset of pyvista; an array of voxels, shape (nx, ny, nz), or
+        of pixels, shape (nx, ny); a pair of arrays: points, shape (n, 3), with triangles, shape
+        (m, 3), or points, shape (n, 2), with segments, shape (m, 2); or an `Outline`, `Soup` or
+        `Image`.
     name
         Name of the geometry in messages.
     image

@@ -52,7 +52,7 @@ def image_in_file(
     arrange
         Function that brings the axes in space into the order x, y, z, and flips them.
     place
-        Size of the voxels, lowest corner and unit.
+        Size of the voxels along each direction of space, lowest corner and unit.
     is_named
         Whether the file itself names its axes, so that a thin one needs no remark.
     remarks
@@ -63,7 +63,8 @@ def image_in_file(
     GeometryError
         See `image_of` and `tusqh.readers.axes.take_space`.
     """
-    voxels = take_space(str(path), voxels, axes or [""] * voxels.ndim, channel=meaning.channel)
+    others = axes or [""] * voxels.ndim
+    voxels = take_space(str(path), voxels, others, channel=meaning.channel, dim=len(place.sides))
     voxels = arrange(voxels) if arrange else voxels
     thin = [] if is_named else _remark_on_thin_axis(voxels.shape)
     said = [*remarks, *thin]
@@ -86,7 +87,7 @@ def image_of(
     where
         The file, for messages.
     voxels
-        Grey values or labels, shape (nx, ny, nz).
+        Grey values or labels, shape (nx, ny, nz), or (nx, ny) for a picture.
     name
         Name of the image.
     meaning
@@ -103,7 +104,7 @@ def image_of(
     """
     voxels, place = align(where, voxels, place)
     empty, full, said = meaning.empty, meaning.full, list(remarks)
-    if voxels.ndim == 3 and voxels.size:
+    if voxels.ndim in (2, 3) and voxels.size:
         voxels, empty, full, more = _interpret(where, voxels, meaning)
         said += more
     image = Image.from_voxels(voxels, empty=empty, full=full, name=name)
@@ -181,7 +182,7 @@ def _interpret(where: str, voxels: NDArray[Any], meaning: Voxels) -> _Interpreta
 
 def _remark_on_background(whole: NDArray[Any]) -> list[Remark]:
     """Return a remark if most voxels at the border of an image have one label other than 0."""
-    ends = [np.take(whole, end, axis=axis).ravel() for axis in range(3) for end in (0, -1)]
+    ends = [np.take(whole, end, axis=axis).ravel() for axis in range(whole.ndim) for end in (0, -1)]
     values, counts = np.unique(np.concatenate(ends), return_counts=True)
     most = int(np.argmax(counts))
     if values[most] == 0 or 2 * counts[most] <= counts.sum():

@@ -10,7 +10,7 @@ follow from half-blocks as for any other geometry (see `tusqh.sampling.fractions
     half voxels      |  0  |  1  |  2  |  3  |  4  |  5  |
     half-blocks      |        0        |        1        |       one cell
 
-There is no material outside the image.
+There is no material outside the image.  Pictures have two axes, images three.
 """
 
 from __future__ import annotations
@@ -70,15 +70,10 @@ def lay_on_voxels(
     n_voxels = last - first
     if cell_size is not None:
         per_cell = _to_multiple(image, cell_size)
-    elif isinstance(cells, Sequence) and len(cells) != 3:
-        raise SamplingError(
-            f"`grid.cells` has {len(cells)} numbers, the image has 3 dimensions",
-            where=image.name,
-            expected="3 numbers, one for each axis",
-            remedy="give one number for each axis",
-        )
+    elif isinstance(cells, Sequence) and len(cells) != image.dim:
+        raise _wrong_count(image, "grid.cells", len(cells))
     else:
-        limit = np.asarray(cells if isinstance(cells, Sequence) else [cells] * 3)
+        limit = np.asarray(cells if isinstance(cells, Sequence) else [cells] * image.dim)
         ratio = n_voxels / limit if isinstance(cells, Sequence) else n_voxels.max() / limit
         per_cell = max(1, int(np.ceil(ratio.max())))
     return BackgroundGrid(
@@ -132,12 +127,13 @@ def voxel_fractions(
         )
     counted = _counted_voxels(image, window)
     blocks = np.empty(tuple(2 * n for n in grid.shape))
-    layer = int(np.prod(grid.shape[1:])) * per_cell**3
+    layer = int(np.prod(grid.shape[1:])) * per_cell**image.dim
     step = max(1, VOXELS_AT_A_TIME // layer)
     for start in range(0, grid.shape[0], step):
         stop = min(start + step, grid.shape[0])
         size = (np.array([stop - start, *grid.shape[1:]]) * per_cell).tolist()
-        corner = first + np.array([start * per_cell, 0, 0], dtype=np.int64)
+        corner = first.copy()
+        corner[0] += start * per_cell
         values = _cut_out(image, corner, size, counted, domain)
         blocks[2 * start : 2 * stop] = _half_block_means(values, per_cell)
     fractions = VolumeFractions(grid, 2 * per_cell, combine_half_blocks(blocks))
@@ -196,14 +192,9 @@ def _to_range(image: Image, window: Box | None) -> tuple[IntArray, IntArray]:
     """Return the first voxel of a window along each axis, and the one after its last."""
     n_voxels = np.array(image.shape)
     if window is None:
-        return np.zeros(3, dtype=np.int64), n_voxels
-    if len(window[0]) != 3:
-        raise SamplingError(
-            f"`window` has {len(window[0])} numbers, the image has 3 dimensions",
-            where=image.name,
-            expected="3 numbers, one for each axis",
-            remedy="give one number for each axis",
-        )
+        return np.zeros(image.dim, dtype=np.int64), n_voxels
+    if len(window[0]) != image.dim:
+        raise _wrong_count(image, "window", len(window[0]))
     low, high = ((np.array(end) - image.origin) / image.voxel_size for end in window)
     if (high <= 0).any() or (low >= n_voxels).any():
         raise SamplingError(
@@ -215,6 +206,16 @@ def _to_range(image: Image, window: Box | None) -> tuple[IntArray, IntArray]:
         )
     first = np.floor(low + _ROUNDING).astype(np.int64)
     return first, np.maximum(first + 1, np.ceil(high - _ROUNDING).astype(np.int64))
+
+
+def _wrong_count(image: Image, key: str, n_given: int) -> SamplingError:
+    """Return the error for a setting with too few or too many numbers."""
+    return SamplingError(
+        f"`{key}` has {n_given} numbers, the image has {image.dim} dimensions",
+        where=image.name,
+        expected=f"{image.dim} numbers, one for each axis",
+        remedy="give one number for each axis",
+    )
 
 
 def _to_multiple(image: Image, cell_size: float) -> int:

@@ -10,9 +10,10 @@ from tusqh.settings.section import Section
 
 #: The plural of each kind of geometry.
 _PLURALS = {
-    "outline": "outlines, in 2D",
+    "outline": "outlines",
     "surface": "surfaces",
     "image": "images",
+    "picture": "pictures",
 }
 
 
@@ -24,7 +25,7 @@ def find_without_effect(settings: Section, kind: str) -> Iterator[str]:
     settings
         The settings of a mesh or of a model.
     kind
-        The kind of geometry: "outline", "surface" or "image".
+        The kind of geometry: "outline", "surface", "image" or "picture".
 
     Examples
     --------

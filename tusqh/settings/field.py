@@ -47,7 +47,8 @@ class Setting:
     metavar
         Placeholder for the value in the help of the command line.
     kinds
-        Kinds of geometry ("outline", "surface", "image") for which it has an effect; empty: all.
+        Kinds of geometry ("outline", "surface", "image", "picture") for which it has an effect;
+        empty: all.
     needs
         Values of neighbours without which it has no effect.
     needs_one_of

@@ -53,7 +53,9 @@ class Settings(Section):
     )
     lengths: Lengths = setting("Units of length.", default=Lengths, is_inline=True)
     image: Voxels = setting(
-        "What the voxels of an image mean; only for images.", default=Voxels, kinds=("image",)
+        "What the voxels of an image mean; only for images.",
+        default=Voxels,
+        kinds=("image", "picture"),
     )
     goal: Goal = setting("How the threshold is chosen.", default=Goal, is_inline=True)
     policy: Policy = setting(
@@ -135,7 +137,7 @@ class Model(Section):
         above=0,
         at_most=1,
         n_items=(3, 3),
-        kinds=("outline",),
+        kinds=("outline", "picture"),
     )
     simulation: Simulation = setting(
         "The release of a contaminant, in 3D of heat, and its diffusion.", default=Simulation

@@ -77,7 +77,7 @@ class Policy(Section):
         "2D: what a hole must meet not to be filled; each filling is a row in `features.csv`.",
         default=Criteria,
         prefix="holes-",
-        kinds=("outline",),
+        kinds=("outline", "picture"),
     )
     voids: Criteria = setting(
         "3D: what a void must meet not to be filled; each filling is a row in `features.csv`.",

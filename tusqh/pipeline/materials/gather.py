@@ -18,7 +18,7 @@ from tusqh.geometry.remark import Remark
 from tusqh.geometry.split_parts import split_parts
 from tusqh.pipeline.ingest import read_source
 from tusqh.pipeline.materials.part_names import name_parts
-from tusqh.readers.formats import suffixes_of
+from tusqh.readers.formats import suffix_of, suffixes_of
 from tusqh.readers.labels import as_whole_numbers
 from tusqh.settings.lengths import Lengths
 from tusqh.settings.materials import Material
@@ -37,8 +37,6 @@ class Gathered:
         Surface or outline of every material, in order of priority; empty for an image.
     image
         The image, whose voxels are labels; None for surfaces.
-    is_plane
-        Whether the image is a single layer that is meshed in the plane.
     remarks
         What the readers left out, changed or noted.
     optional
@@ -48,7 +46,6 @@ class Gathered:
     wishes: tuple[Material, ...]
     surfaces: dict[str, Surface] = field(default_factory=dict)
     image: Image | None = None
-    is_plane: bool = False
     remarks: tuple[Remark, ...] = ()
     optional: tuple[str, ...] = ()
 
@@ -89,8 +86,6 @@ def gather(
         _require_one_unit(surfaces)
         require_known(wishes, list(surfaces))
         return Gathered(tuple(wishes), surfaces, remarks=tuple(remarks))
-    if isinstance(source, np.ndarray) and source.ndim == 2:
-        return replace(gather(source[:, :, None], wishes, image, lengths), is_plane=True)
     if source is not None:
         meaning = (image or Voxels()).to_dict()
         if _holds_voxels(source):
@@ -125,7 +120,7 @@ def is_pair(source: Any) -> bool:
 def _holds_voxels(source: Any) -> bool:
     """Return whether a source is an array, or a file with the suffix of an image."""
     if isinstance(source, (str, Path)):
-        return Path(source).suffix.lower() in suffixes_of("image")
+        return suffix_of(source) in suffixes_of("image", "picture")
     return isinstance(source, np.ndarray)
 
 

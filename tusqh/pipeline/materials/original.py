@@ -74,7 +74,6 @@ class MaterialsOriginal:
             "rest": self.rest,
             "surfaces": [{"name": n, "parts": count_parts(s)} for n, s in surfaces.items()] or None,
             "labels": {str(label): name for label, name in labels.items()} or None,
-            "is_plane": self.gathered.is_plane or None,
         }
         return dict(to_plain(sections))
 
@@ -98,8 +97,7 @@ class MaterialsOriginal:
         labels = settings.get("labels", {})
         wishes = tuple(Material(name, label=int(label)) for label, name in labels.items())
         if isinstance(geometry, Image):
-            is_plane = bool(settings.get("is_plane", False))
-            gathered = Gathered(wishes, image=geometry, is_plane=is_plane)
+            gathered = Gathered(wishes, image=geometry)
         else:
             parts = {row["name"]: row["parts"] for row in settings["surfaces"]}
             gathered = Gathered((), split_surfaces(geometry, parts))

@@ -118,14 +118,13 @@ def _sample_labels(
     image: Image, gathered: Gathered, settings: Settings, rest: str | None
 ) -> Sampled:
     """Return the fractions of labels; label 0 is the void if it has no name."""
-    labels = image.voxels[:, :, 0] if gathered.is_plane else image.voxels
     grid = lay_on_voxels(image, cells=settings.grid.cells, cell_size=settings.grid.cell_size)
     names = name_labels(gathered.wishes, rest)
     fractions = fractions_of_labels(
-        labels,
+        image.voxels,
         voxels_per_cell=round(grid.cell_size / image.voxel_size),
         voxel_size=image.voxel_size,
-        origin=image.origin[: labels.ndim],
+        origin=image.origin,
         names=names,
         void=None if 0 in names else 0,
     )
