@@ -26,7 +26,7 @@ VALUES = {
     **{"scope": "local", "base": "0.25", "open": ["0"], "cut": ["1"], "fill": ["hole@0,1"]},
     **{"checks": True, "fit": True, "slabs": "3", "inside": "union", "seal": "0.5"},
     **{"unit": "mm", "scale": "2", "convert_to": "m", "crs": "utm"},
-    **{"coarsen": True, "thickness": "1 cell"},
+    **{"coarsen": True, "thickness": "1 cell", "offset": "0.5,0.25,0", "snap": True},
     **{
         prefix + name: value
         for prefix in ("", "holes_", "voids_")
@@ -46,8 +46,8 @@ LOCAL = {"scope", "base"}  # They need a target or a persistence.
 WITHOUT_EFFECT = {
     "outline": IMAGES | VOIDS | LOCAL,
     "surface": IMAGES | HOLES | LOCAL | {"crs"},
-    "image": SAMPLING | HOLES | LOCAL | {"crs"},
-    "picture": SAMPLING | VOIDS | LOCAL | {"crs"},
+    "image": SAMPLING | HOLES | LOCAL | {"crs", "offset", "snap"},
+    "picture": SAMPLING | VOIDS | LOCAL | {"crs", "offset", "snap"},
 }
 
 
@@ -90,8 +90,9 @@ def test_every_option_that_is_named_leaves_the_mesh_unchanged(kind):
     assert not any("without effect" in str(remark) for remark in expected.report.remarks)
     for option in sorted(WITHOUT_EFFECT[kind] - IMAGES - HOLES - VOIDS - {"crs"}):
         changed = given(option).to_dict(defaults=False)
+        changed |= changed.pop("grid", {}) | {"cells": 6}
         arguments = {entry: value for entry, value in changed.items() if entry in VALUES}
-        found = tusqh.mesh(source, **plain, **arguments)
+        found = tusqh.mesh(source, **plain | arguments)
         assert any("without effect" in str(remark) for remark in found.report.remarks), option
         assert found.reading["remarks"][-1]["effect"] == "noted"
         assert np.array_equal(found.fractions.multiples, expected.fractions.multiples), option
