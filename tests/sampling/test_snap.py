@@ -36,7 +36,8 @@ def plate_with_hole():
 
 
 def snapped(geometry, **grid):
-    return lay_as_set([geometry], None, Grid(snap=True, **grid))
+    laid = lay_as_set([geometry], None, Grid(snap=True, **grid))
+    return laid.grid, laid.placement
 
 
 def test_a_plate_of_8_mm_stays_8_mm_at_cells_of_1_25_mm():
@@ -121,11 +122,11 @@ def test_outlines_snap_to_their_edges():
 
 def test_planes_outside_the_window_do_not_count():
     geometry = boxes([[0, 0, 0], [10, 4, 4.37]])
-    grid, placement = lay_as_set(
+    laid = lay_as_set(
         [geometry], ((1.0, -1.0, -1.0), (9.0, 5.0, 3.0)), Grid(cell_size=1.0, snap=True)
     )
-    assert [(p.axis, p.at) for p in placement.planes] == [("y", 0), ("y", 4), ("z", 0)]
-    assert grid == BackgroundGrid((8, 6, 4), 1.0, (1.0, -1.0, -1.0))
+    assert [(p.axis, p.at) for p in laid.placement.planes] == [("y", 0), ("y", 4), ("z", 0)]
+    assert laid.grid == BackgroundGrid((8, 6, 4), 1.0, (1.0, -1.0, -1.0))
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -136,7 +137,7 @@ def test_a_moved_grid_gives_the_fractions_of_the_geometry_moved_back(seed):
     offset = tuple(rng.uniform(-1, 1, 3).tolist())
     moved = sample(geometry, grid=Grid(cells=6, offset=offset))
     assert moved.placement.offset == offset
-    corner, _ = lay_as_set([geometry], None, Grid(cells=6))
+    corner = lay_as_set([geometry], None, Grid(cells=6)).grid
     back = geometry.points - np.multiply(offset, corner.cell_size)
     home = Soup(back, geometry.triangles, geometry.parts)
     wide = BackgroundGrid((10,) * 3, corner.cell_size,

@@ -27,6 +27,7 @@ VALUES = {
     **{"checks": True, "fit": True, "slabs": "3", "inside": "union", "seal": "0.5"},
     **{"unit": "mm", "scale": "2", "convert_to": "m", "crs": "utm"},
     **{"coarsen": True, "thickness": "1 cell", "offset": "0.5,0.25,0", "snap": True},
+    **{"rotate": "30,0,0", "align": "faces"},
     **{
         prefix + name: value
         for prefix in ("", "holes_", "voids_")
@@ -46,8 +47,8 @@ LOCAL = {"scope", "base"}  # They need a target or a persistence.
 WITHOUT_EFFECT = {
     "outline": IMAGES | VOIDS | LOCAL,
     "surface": IMAGES | HOLES | LOCAL | {"crs"},
-    "image": SAMPLING | HOLES | LOCAL | {"crs", "offset", "snap"},
-    "picture": SAMPLING | VOIDS | LOCAL | {"crs", "offset", "snap"},
+    "image": SAMPLING | HOLES | LOCAL | {"crs", "offset", "snap", "rotate", "align"},
+    "picture": SAMPLING | VOIDS | LOCAL | {"crs", "offset", "snap", "rotate", "align"},
 }
 
 

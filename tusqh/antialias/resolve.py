@@ -75,6 +75,8 @@ def describe_mesh(resolved: Resolved, fractions: Sampled) -> dict[str, Any]:
         "dimension": mesh.dim,
         "grid": grid.label,
         "cell_size": grid.cell_size,
+        **({"sides": list(grid.sides)} if grid.frame.sides else {}),
+        **({"axes": grid.frame.to_dict()["axes"]} if grid.frame.axes else {}),
         "cells_kept": int(cells.kept.sum()),
         "elements": mesh.n_cells,
         "points": mesh.n_points,

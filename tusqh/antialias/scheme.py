@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from tusqh.antialias.boxes import least_on_boxes
 from tusqh.meshes.volume_mesh import SIDE_BALL, VolumeMesh
 
 #: Allowance for rounding in coordinates of up to 1e7 times the cell size.
@@ -33,12 +34,22 @@ class Scheme:
     def bound_of(self, mesh: VolumeMesh) -> float:
         """Return the smallest scaled Jacobian that a mesh can have.
 
+        In boxes the bound changes by the factor by which that of the worst template does.
+
         Parameters
         ----------
         mesh
             The mesh.
         """
-        return self.on_sides if (mesh.kind == SIDE_BALL).any() else self.bounds[mesh.dim]
+        has_side_balls = bool((mesh.kind == SIDE_BALL).any())
+        on_cubes = self.on_sides if has_side_balls else self.bounds[mesh.dim]
+        if not mesh.sides:
+            return on_cubes
+        cubes, boxes = (
+            least_on_boxes(sides, has_side_balls=has_side_balls)
+            for sides in ((1.0,) * mesh.dim, mesh.sides)
+        )
+        return on_cubes * boxes / cubes
 
     def allows(self, scaled_jacobian: float, mesh: VolumeMesh) -> bool:
         """Return whether a scaled Jacobian is within the bound of a mesh, up to rounding.

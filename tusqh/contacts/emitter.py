@@ -249,8 +249,15 @@ class Emitter:
         cells = np.empty_like(elements)
         _renumber(elements, order, number, cells)
         del elements, number, order
-        unit, points = self.grid.unit, self.place(used)
-        mesh = VolumeMesh(points, cells, kind=kind, grid_cell=owner, name=name, unit=unit)
+        mesh = VolumeMesh(
+            self.place(used),
+            cells,
+            kind=kind,
+            grid_cell=owner,
+            name=name,
+            unit=self.grid.unit,
+            sides=self.grid.frame.sides,
+        )
         return Emitted(mesh=mesh, material=material)
 
     def place(self, points: IndexArray) -> FloatArray:

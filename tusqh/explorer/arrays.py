@@ -295,4 +295,4 @@ def _row_of(table: pd.DataFrame, upper: IntArray) -> IntArray:
 
 
 def _in_cells(points: FloatArray, grid: BackgroundGrid) -> FloatArray:
-    return np.asarray((points - np.asarray(grid.origin)) / grid.cell_size)
+    return grid.to_lattice(points)

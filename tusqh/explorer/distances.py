@@ -39,9 +39,9 @@ def boundary_distances(mesh: VolumeMesh, geometry: Geometry, grid: BackgroundGri
     facets = mesh.boundary.corners
     if isinstance(geometry, Image):
         return np.full(len(facets), np.nan)
-    points = _in_space((mesh.points - np.array(grid.origin)) / grid.cell_size)
+    points = _in_space(grid.to_lattice(mesh.points))
     pieces = geometry.segments if isinstance(geometry, Outline) else geometry.triangles
-    corners = _in_space((geometry.points - np.array(grid.origin)) / grid.cell_size)[pieces]
+    corners = _in_space(grid.to_lattice(geometry.points))[pieces]
     tree = make_tree(corners if corners.shape[1] == 3 else corners[:, [0, 1, 1]])
     used, at = np.unique(facets, return_inverse=True)
     of_corners = find_nearest(tree, points[used]).distance[at.reshape(facets.shape)]

@@ -147,7 +147,7 @@ def list_chains(fitted: Fitted, target: Target) -> pd.DataFrame:
         captured = float((off[mine] <= CAPTURED).mean())
         why = "" if captured == 1 else _why(creases, mine, length, off, depth, given_up.tolist())
         far = [np.nan, np.nan] if np.isinf(off[mine]).any() else [off[mine].mean(), off[mine].max()]
-        middle = places.mean(axis=0) * target.grid.cell_size + np.array(target.grid.origin)
+        middle = target.grid.to_points(places.mean(axis=0)[None])[0]
         size = (length * target.grid.cell_size, length)
         at = (depth[mine].max(), worst if np.isfinite(worst) else np.nan)
         both = sorted((name[k] for k in two), key=lambda number: (number is None, number))

@@ -56,7 +56,7 @@ def fit_hexes(
         The threshold of the mesh: the boundary first follows the level sets from it to 1/2.
     """
     begin = perf_counter()
-    scale = (target.grid.cell_size, np.array(target.grid.origin))
+    grid = target.grid
     rounds, regions = _run(mesh, target, fixed, threshold, True)
     if rounds.features is not None and _badness(rounds, regions) > 0:
         others = _run(mesh, target, fixed, threshold, False)
@@ -67,12 +67,12 @@ def fit_hexes(
             why = f"worst scaled Jacobian {least:.2f} with and {plain:.2f} without them"
             if least >= _LEAST_WITH_FEATURES:
                 why = CROSSING
-            row = list_regions(rounds.moving, is_on, "feature edges given up", why, scale)
+            row = list_regions(rounds.moving, is_on, "feature edges given up", why, grid)
             rounds, regions = others[0], [*others[1], row]
     moving = rounds.moving
     covers = rounds.covers
     new = VolumeMesh(
-        points=moving.points * scale[0] + scale[1],
+        points=grid.to_points(moving.points),
         cells=moving.cells,
         kind=np.concatenate([mesh.kind, mesh.kind[covers]]),
         grid_cell=np.concatenate([mesh.grid_cell, mesh.grid_cell[covers]]),
@@ -92,7 +92,7 @@ def fit_hexes(
 def _list_loose(rounds: Rounds) -> list[pd.DataFrame]:
     """Return rows on the parts of the boundary that belong to no surface."""
     moving, skin, target = rounds.moving, rounds.skin, rounds.target
-    scale = (target.grid.cell_size, np.array(target.grid.origin))
+    grid = target.grid
     rows = []
     is_loose = rounds.is_own & find_loose(rounds.places, target)
     for chosen, what, why in (
@@ -101,7 +101,7 @@ def _list_loose(rounds: Rounds) -> list[pd.DataFrame]:
     ):
         is_in = np.zeros(len(moving.points), dtype=np.bool_)
         is_in[skin.vertices] = chosen
-        rows.append(list_regions(moving, is_in, what, why, scale))
+        rows.append(list_regions(moving, is_in, what, why, grid))
     return rows
 
 
@@ -124,7 +124,7 @@ def _run(
     has_features: bool,
 ) -> tuple[Rounds, list[pd.DataFrame]]:
     """Return the fitted hexes, and the regions that fell back."""
-    scale = (target.grid.cell_size, np.array(target.grid.origin))
+    grid = target.grid
     rounds, regions = _cover(mesh, target, fixed, has_features)
     moving, skin = rounds.moving, rounds.skin
     safe = moving.points.copy()
@@ -132,13 +132,13 @@ def _run(
     faults = Faults(moving, skin)
     why = CROSSING if faults.crossed.any() else FOLD
     pulled = _pull_apart(rounds)
-    regions.append(list_regions(moving, pulled, "pulled towards the staircase", why, scale))
+    regions.append(list_regions(moving, pulled, "pulled towards the staircase", why, grid))
     faults = Faults(moving, skin)
     touched = put_back(moving, skin, safe)
     if touched.any():
         _polish_again(rounds, touched)
     why = CROSSING if faults.crossed.any() else FOLD
-    regions.append(list_regions(moving, touched, PUT_BACK, why, scale))
+    regions.append(list_regions(moving, touched, PUT_BACK, why, grid))
     return rounds, regions
 
 
@@ -181,7 +181,7 @@ def _cover(
 
     Whole surfaces of the boundary lose the layer if it cannot be untangled on them.
     """
-    scale = (target.grid.cell_size, np.array(target.grid.origin))
+    grid = target.grid
     surface = _surfaces(mesh)
     is_covered = np.ones(len(surface), dtype=np.bool_)
     regions: list[pd.DataFrame] = []
@@ -198,7 +198,7 @@ def _cover(
             return rounds, regions
         _LOG.debug("a layer has faults at %d points", faults.any.sum())
         why = CROSSING if faults.crossed.any() else FOLD
-        regions.append(list_regions(rounds.moving, faults.any, "without the layer", why, scale))
+        regions.append(list_regions(rounds.moving, faults.any, "without the layer", why, grid))
         facets = rounds.skin.vertices[rounds.skin.facets]
         is_near = rounds.moving.spread(faults.any, 1)[facets].any(axis=1) & is_covered
         lost = surface[is_near] if is_near.any() else surface

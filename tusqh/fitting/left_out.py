@@ -81,11 +81,11 @@ def list_left_out(mesh: ElementMesh, target: Target) -> pd.DataFrame:
         total = size[chosen].sum()
         if total < _LEAST_SIZE:
             continue
-        centre = places[chosen].mean(axis=0) * target.grid.cell_size
+        centre = target.grid.to_points(places[chosen].mean(axis=0)[None])[0]
         is_coarse = size[chosen & is_resolved].sum() > total / 2
         why = (
             f"{total:.3g} {measure}, {100 * total / sizes.sum():.2g} % of the surface, lie up to "
             f"{away[chosen].max():.2f} cells from it: {_TOPOLOGY if is_coarse else _FINE}"
         )
-        rows.append((*(centre + np.array(target.grid.origin)), 0, LEFT_OUT, why))
+        rows.append((*centre, 0, LEFT_OUT, why))
     return pd.DataFrame(rows, columns=columns)

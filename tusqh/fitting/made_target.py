@@ -16,6 +16,7 @@ from tusqh.fitting.pieces import cut_pieces, normals_of, pick_samples, sizes_of
 from tusqh.fitting.planar.outline_target import cut_segments, pick_planar_samples, sides_of_material
 from tusqh.fitting.planar.winding import wind_around, wind_beside_cap
 from tusqh.fitting.target import Target, to_cells
+from tusqh.geometry.framed import to_frame
 from tusqh.geometry.kinds import Surface
 from tusqh.geometry.outline import Outline
 from tusqh.grid import BoolArray, FloatArray
@@ -93,7 +94,7 @@ def _on_boundary(
 ) -> tuple[FloatArray, float]:
     """Return the pieces that bound the material, directed outwards, and which share they are."""
     grid = fractions.grid
-    made = field_of(geometry, sampling, grid.cell_size)
+    made = field_of(to_frame(geometry, grid.frame), sampling, grid.cell_size)
     centres, normals = _in_space(pieces.mean(axis=1)), _in_space(normals_of(pieces))
     origin = _in_space(np.array([grid.origin]))[0]
     offset = 0.0

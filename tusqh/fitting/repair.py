@@ -13,7 +13,7 @@ from tusqh.fitting.moving import Moving
 from tusqh.fitting.planes import FitTerms
 from tusqh.fitting.skin import Skin
 from tusqh.fitting.validity import find_unproven
-from tusqh.grid import BoolArray, FloatArray
+from tusqh.grid import BackgroundGrid, BoolArray, FloatArray
 from tusqh.meshes.jacobians import smallest_jacobians
 
 #: Rounds in which vertices are pulled back: rings around the bad ones, and weight.
@@ -139,7 +139,7 @@ def _largest_around(moving: Moving, values: FloatArray) -> FloatArray:
 
 
 def list_regions(
-    moving: Moving, is_in: BoolArray, what: str, why: str, scale: tuple[float, FloatArray]
+    moving: Moving, is_in: BoolArray, what: str, why: str, grid: BackgroundGrid
 ) -> pd.DataFrame:
     """Return one row for each connected region of vertices, see `Fitted.fell_back`.
 
@@ -151,8 +151,8 @@ def list_regions(
         The vertices, shape (n,).
     what, why
         What happened, and why.
-    scale
-        Cell size and origin, which lead from cells to model units.
+    grid
+        The grid, whose cells are the unit of length of the hexes.
     """
     cells = moving.cells[is_in[moving.cells].any(axis=1)]
     n = len(is_in)
@@ -163,6 +163,6 @@ def list_regions(
     rows = []
     for region in np.unique(number[is_in]):
         members = np.flatnonzero(is_in & (number == region))
-        centre = moving.points[members].mean(axis=0) * scale[0] + scale[1]
+        centre = grid.to_points(moving.points[members].mean(axis=0)[None])[0]
         rows.append((*centre, len(members), what, why))
     return pd.DataFrame(rows, columns=list(FELL_BACK_COLUMNS))

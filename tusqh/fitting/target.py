@@ -132,7 +132,7 @@ def to_cells(points: FloatArray, grid: BackgroundGrid) -> FloatArray:
     grid
         The grid.
     """
-    return np.asarray((points - np.array(grid.origin)) / grid.cell_size)
+    return grid.to_lattice(points)
 
 
 def _relation(tree: WindingTree, fractions: VolumeFractions) -> tuple[int, bool]:

@@ -51,7 +51,7 @@ def remarks_on_small_polygons(
     low, high = np.full((facts.n_chains, 2), np.inf), np.full((facts.n_chains, 2), -np.inf)
     np.minimum.at(low, facts.chains, ends.min(axis=1))
     np.maximum.at(high, facts.chains, ends.max(axis=1))
-    place = np.floor(((low + high) / 2 - grid.origin) / grid.cell_size).astype(np.int64)
+    place = np.floor(grid.to_lattice((low + high) / 2)).astype(np.int64)
     is_small &= ((place >= 0) & (place < is_kept.shape)).all(axis=1)
     chosen = np.flatnonzero(is_small)
     hand = 1 if facts.areas.sum() >= 0 else -1

@@ -112,8 +112,8 @@ class Soup:
         return tuple(used.min(axis=0).tolist()), tuple(used.max(axis=0).tolist())
 
     @cached_property
-    def remembered(self) -> dict[str, Any]:
-        """What other modules have found out about this soup, by a name that they choose."""
+    def remembered(self) -> dict[Any, Any]:
+        """What other modules have found out about this soup, by a key that they choose."""
         return {}
 
     def matched(self) -> tuple[FloatArray, IntArray]:

@@ -1,4 +1,4 @@
-"""The background grid of equal cubic cells over a box."""
+"""The background grid of equal cells over a box."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from tusqh.errors import SamplingError
 from tusqh.grid.arrays import FloatArray, IntArray
+from tusqh.grid.frame import Frame
 
 #: Cell sizes whose cube does not underflow or overflow, in units of the model.
 _SMALLEST, _LARGEST = 1e-100, 1e100
@@ -29,6 +30,10 @@ class BackgroundGrid:
         Lowest corner of the grid, in the units of the model.
     unit
         Unit of length of the model; empty if it is not known.
+    frame
+        How the axes of the grid are turned, and the sides of cells that are not cubes.  `cell_size`
+        and `origin` are in the coordinates of the grid, in which cells are cubes of the same
+        volume.
 
     Examples
     --------
@@ -43,6 +48,7 @@ class BackgroundGrid:
     cell_size: float
     origin: tuple[float, ...]
     unit: str = field(default="", repr=False)
+    frame: Frame = field(default=Frame(), repr=False)
 
     def __post_init__(self) -> None:
         if len(self.shape) != len(self.origin) or len(self.shape) not in (2, 3):
@@ -73,8 +79,13 @@ class BackgroundGrid:
 
     @property
     def upper(self) -> tuple[float, ...]:
-        """Highest corner of the grid, in the units of the model."""
+        """Highest corner of the grid, in the coordinates of the grid."""
         return tuple(o + n * self.cell_size for o, n in zip(self.origin, self.shape, strict=True))
+
+    @property
+    def sides(self) -> tuple[float, ...]:
+        """Edge lengths of a cell along the axes of the grid, in model units."""
+        return tuple(self.cell_size * side for side in self.frame.sides or (1.0,) * self.dim)
 
     @property
     def label(self) -> str:
@@ -90,14 +101,25 @@ class BackgroundGrid:
         )
 
     def to_points(self, lattice: FloatArray | IntArray) -> FloatArray:
-        """Return the points, shape (n, dim), of positions given in cells from the origin.
+        """Return the points of the model, shape (n, dim), at positions in cells from the origin.
 
         Parameters
         ----------
         lattice
             Positions, shape (n, dim).
         """
-        return np.asarray(self.origin) + self.cell_size * np.asarray(lattice, dtype=np.float64)
+        places = np.asarray(self.origin) + self.cell_size * np.asarray(lattice, dtype=np.float64)
+        return self.frame.to_model(places)
+
+    def to_lattice(self, points: FloatArray) -> FloatArray:
+        """Return the positions of points of the model in cells from the origin, shape (n, dim).
+
+        Parameters
+        ----------
+        points
+            Points, shape (n, dim), in model units.
+        """
+        return np.asarray((self.frame.to_grid(points) - np.asarray(self.origin)) / self.cell_size)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the grid as plain numbers, for JSON."""
@@ -106,6 +128,7 @@ class BackgroundGrid:
             "cell_size": self.cell_size,
             "origin": list(self.origin),
             **({"unit": self.unit} if self.unit else {}),
+            **({} if self.frame.is_plain else {"frame": self.frame.to_dict()}),
         }
 
     @classmethod
@@ -115,13 +138,14 @@ class BackgroundGrid:
         Parameters
         ----------
         numbers
-            Shape, cell size and origin, and the unit if it is known.
+            Shape, cell size and origin, the unit if it is known, and a frame that is not plain.
         """
         return cls(
             shape=tuple(int(n) for n in numbers["shape"]),
             cell_size=float(numbers["cell_size"]),
             origin=tuple(float(o) for o in numbers["origin"]),
             unit=str(numbers.get("unit", "")),
+            frame=Frame.from_dict(numbers.get("frame", {})),
         )
 
     @classmethod

@@ -14,6 +14,8 @@ from tusqh.settings.features import Feature
 
 #: Largest number of classes that an error lists.
 _LISTED = 5
+#: How far outside the grid a point may be by rounding, in cells.
+_ROUNDING = 1e-9
 
 
 def find_wishes(features: Changeable[S], named: Sequence[Feature]) -> tuple[Wish, ...]:
@@ -77,9 +79,12 @@ def _nearest(features: Changeable[S], about: Feature) -> int:
     Only a feature that is there can be cut or filled.
     """
     grid, point = features.grid, np.array(about.near, dtype=float)
-    lower, upper = grid.to_points(np.array([[0.0] * grid.dim, [float(n) for n in grid.shape]]))
-    text = _in_words(point)
-    if len(point) != grid.dim or (point < lower).any() or (point > upper).any():
+    corners = np.array(list(np.ndindex((2,) * grid.dim))) * grid.shape
+    lower, upper = (end(grid.to_points(corners), axis=0) for end in (np.min, np.max))
+    text, place = _in_words(point), np.full((1, grid.dim), np.nan)
+    if len(point) == grid.dim:
+        place = grid.to_lattice(point[None])
+    if not ((place >= -_ROUNDING) & (place <= np.add(grid.shape, _ROUNDING))).all():
         raise TopologyError(
             f"the point {text} of a wish lies outside the grid",
             where="features",

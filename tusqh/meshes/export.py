@@ -23,6 +23,9 @@ _VTK_QUAD, _VTK_HEXAHEDRON = 9, 12
 #: Field data of VTU files with the size of a unit of length are called this and its name.
 UNIT = "unit of length "
 
+#: Field data of VTU files with the sides of cells that are not cubes are called this and the axis.
+SIDE = "side of a cell along "
+
 #: Field data of VTU files with the number of a material are called this and its name.
 NAME = "material "
 
@@ -42,7 +45,8 @@ def write_vtu(
     Every element carries `kind` (index into `tusqh.meshes.volume_mesh.KINDS`) and `grid_cell`.
     With regions it carries the number of its `material`, from 1, and the field data have the number
     of each as ``material NAME``; the last one is the void.  If the mesh has a unit of length, the
-    field data have its size in metres, 0 if that is not known, as ``unit of length NAME``.
+    field data have its size in metres, 0 if that is not known, as ``unit of length NAME``, and the
+    `sides` of cells that are not cubes.
 
     Parameters
     ----------
@@ -67,6 +71,7 @@ def write_vtu(
         names = () if regions is None else regions.names
         numbers: dict[str, float] = {NAME + n: number for number, n in enumerate(names, start=1)}
         numbers |= number_of_unit(mesh.unit)
+        numbers |= {SIDE + axis: side for axis, side in zip("xyz", mesh.sides, strict=False)}
         if numbers:
             add_numbers(temporary, numbers)
 
@@ -209,4 +214,9 @@ def read_vtu(path: Path, *, name: str | None = None) -> VolumeMesh:
         grid_cell=as_indices(grid_cell.astype(np.int64, copy=False)),
         name=name or path.stem,
         unit=next((k.removeprefix(UNIT) for k in grid.field_data if k.startswith(UNIT)), ""),
+        sides=tuple(
+            float(grid.field_data[SIDE + axis][0])
+            for axis in "xyz"[:dim]
+            if SIDE + axis in grid.field_data
+        ),
     )

@@ -50,6 +50,8 @@ class VolumeMesh(ElementMesh):
         The model to which it belongs, for messages.
     unit
         Unit of length of the points; empty if it is not known.
+    sides
+        Edge lengths of a cell of the grid divided by their geometric mean; empty for cubes.
     """
 
     points: FloatArray
@@ -58,6 +60,7 @@ class VolumeMesh(ElementMesh):
     grid_cell: IndexArray
     name: str = "mesh"
     unit: str = ""
+    sides: tuple[float, ...] = ()
 
     @cached_property
     def measurement(self) -> Measurement:
@@ -119,6 +122,7 @@ class VolumeMesh(ElementMesh):
             grid_cell=self.grid_cell[chosen],
             name=name,
             unit=self.unit,
+            sides=self.sides,
         )
 
     def points_in_space(self) -> FloatArray:

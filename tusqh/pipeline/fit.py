@@ -237,7 +237,8 @@ def find_target(
     if original.window is not None:
         sides = original.window.box
     elif original.sampling.domain == "outside":
-        sides = grid.origin, grid.upper
+        corners = grid.to_points(np.array([(0,) * grid.dim, grid.shape]))
+        sides = tuple(corners[0].tolist()), tuple(corners[1].tolist())
     base = selection.base or selection.threshold
     return target_of(
         original.geometry,

@@ -15,7 +15,7 @@ from tusqh.pipeline.stages import run_stages
 from tusqh.progress import Progress, log_progress
 from tusqh.settings.arguments import arguments_of, explains_unknown_arguments, from_arguments
 from tusqh.settings.goal import Base, Scope
-from tusqh.settings.grid import Place
+from tusqh.settings.grid import Align, Place
 from tusqh.settings.materials import Materials
 from tusqh.settings.model import Settings
 from tusqh.settings.policy import BridgeMode
@@ -32,10 +32,12 @@ def mesh(
     source: Any,
     *,
     cells: int | Sequence[int] | None = None,
-    cell_size: float | None = None,
+    cell_size: float | Sequence[float] | None = None,
     placement: Place = "auto",
     offset: Sequence[float] | None = None,
     snap: bool = False,
+    rotate: Sequence[float] | None = None,
+    align: Align | None = None,
     betti: Betti | None = None,
     threshold: float | None = None,
     persistence: float | None = None,
@@ -84,7 +86,7 @@ def mesh(
     cells
         Cells along the longest side (64 by default), or one number for each axis.
     cell_size
-        Edge length of a cell, in units of the geometry, instead of `cells`.
+        Edge length of a cell, in units of the geometry, instead of `cells`; or one for each axis.
     placement
         ``"auto"`` moves the grid by a fraction of a cell if the volume is more than 1 % off;
         ``"corner"`` lays it on the box.
@@ -93,6 +95,12 @@ def mesh(
     snap
         Instead of `placement`: lay planes of the grid on plane faces of the geometry, with cells
         of another size where that is necessary.
+    rotate
+        How the axes of the grid are turned: one angle in degrees in the plane, in space three about
+        x, then y, then z; or a rotation matrix, row by row, whose rows are these axes.
+    align
+        Turn the axes of the grid to the most area of plane ``"faces"``, or to the ``"principal"``
+        axes of the surface.
     betti
         Requested numbers of components, holes and voids, such as ``(1, 0, 0)``.  Each may be a
         number, a list, ``{"min": 1, "max": 3}``, or None for any number.

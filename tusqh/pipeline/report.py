@@ -101,9 +101,17 @@ class Report:
         return lines_of_reading(self.reading) | of_mesh | self._warnings() | self._remarks()
 
     def _placement(self) -> dict[str, str]:
-        """Return a line on the placement of the grid, if the program chose it."""
-        placed = self.facts.get("placement")
-        return {"grid": str(Placement.from_dict(placed))} if placed else {}
+        """Return lines on boxes, turned axes and the placement of the grid, where there are any."""
+        facts, lines = self.facts, {}
+        if "sides" in facts:
+            lines["cells"] = "boxes of " + " x ".join(f"{side:.6g}" for side in facts["sides"])
+        if "axes" in facts:
+            lines["axes"] = "turned to " + ", ".join(
+                "(" + ", ".join(f"{x:.4g}" for x in axis) + ")" for axis in facts["axes"]
+            )
+        if "placement" in facts:
+            lines["grid"] = str(Placement.from_dict(facts["placement"]))
+        return lines
 
     def _not_run(self) -> dict[str, str]:
         """Return a line on the programs that did not check the mesh because it is large."""

@@ -9,7 +9,6 @@ from tusqh.geometry.kinds import Geometry
 from tusqh.progress import Progress, log_progress
 from tusqh.sampling.fractions import VolumeFractions, sample_fractions
 from tusqh.sampling.inside import field_of
-from tusqh.sampling.inside_lengths import box_of_inside
 from tusqh.sampling.layout import lay_as_set
 from tusqh.sampling.memory import require_memory
 from tusqh.sampling.orient import orient
@@ -98,9 +97,9 @@ def sample_with_reference(
         fractions = voxel_fractions(geometry, voxel_grid, domain=sampling.domain, window=box)
         stays = Placement((0, 0, 0), fractions.samples, reason="its cells are whole voxels")
         return replace(fractions, placement=stays if is_auto else None), None
-    oriented = orient(geometry, sampling.orientation).geometry
-    covered = box or box_of_inside(geometry, geometry.bounding_box(), sampling, grid)
-    background_grid, placed_as_set = lay_as_set([geometry], covered, grid)
+    laid = lay_as_set([geometry], box, grid, sampling)
+    oriented = orient(laid.surfaces[0], sampling.orientation).geometry
+    background_grid = laid.grid
     of_geometry = signed_volume(oriented) if sampling.domain == "inside" else None
     made = None
     if sampling.inside != "winding":  # One envelope is enough for all that follows.
@@ -110,12 +109,12 @@ def sample_with_reference(
         oriented,
         background_grid,
         sampling=sampling,
-        window=box,
+        window=laid.window,
         field=made,
         progress=progress("samples"),
     )
-    if placed_as_set or not is_auto:
-        return replace(fractions, placement=placed_as_set), None
+    if laid.placement or not is_auto:
+        return replace(fractions, placement=laid.placement), None
     progress("placement")
     reference = find_reference(geometry, fractions, sampling=sampling, window=box)
     placed, placement = place_grid(
@@ -123,17 +122,17 @@ def sample_with_reference(
         fractions,
         reference.volume,
         sampling=sampling,
-        window=box,
+        window=laid.window,
         threshold=threshold or BASE_THRESHOLD,
         field=made,
-        box=covered,
+        box=laid.covered,
     )
     if placement.is_moved:
         fractions = sample_fractions(
             oriented,
             placed,
             sampling=sampling,
-            window=box,
+            window=laid.window,
             field=made,
             progress=progress("samples"),
         )

@@ -116,6 +116,7 @@ def box_of_inside(geometry: Surface, box: Box, sampling: Sampling, grid: Grid) -
         )
     sides = [b - a for a, b in zip(*box, strict=True)]
     size = grid.cell_size
+    assert not isinstance(size, tuple)
     if size is None:
         # With a thickness of c cells, a side of length L has n cells of size L / (n - c).
         in_cells = _in_cells(sampling)

@@ -9,6 +9,7 @@ from typing import Protocol
 import numba
 import numpy as np
 
+from tusqh.geometry.framed import box_to_frame, to_frame
 from tusqh.geometry.image import Image
 from tusqh.geometry.kinds import Geometry, Surface
 from tusqh.geometry.outline import Outline
@@ -109,13 +110,13 @@ def find_reference(
     >>> find_reference(square, sample_fractions(square, grid))
     Reference(volume=1.0, source='the exact area', ambiguity=0.0)
     """
-    sampling = sampling or Sampling()
+    sampling, grid = sampling or Sampling(), fractions.grid
     if isinstance(geometry, Image):
         return Reference(max(fractions.volume(), 0.0), "the grey values of the image")
+    geometry, window = to_frame(geometry, grid.frame), box_to_frame(window, grid.frame)
     if sampling.inside != "winding":
         return _of_made(geometry, fractions, sampling, window)
     geometry = orient(geometry, sampling.orientation).geometry
-    grid = fractions.grid
     lattice = _lattice(grid, fractions.samples, window)
     cycle, cap = close(geometry)
     winding = CrossingField(cycle, cap, max(sampling.tolerance, 1e-4))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -10,6 +11,7 @@ import numpy as np
 from tusqh.errors import SamplingError
 from tusqh.geometry.kinds import Surface
 from tusqh.grid import BackgroundGrid, FloatArray, IntArray
+from tusqh.grid.frame import Frame
 from tusqh.sampling.face_planes import LEAST_SHARE, FacePlane, find_face_planes
 from tusqh.sampling.lattice import Box
 from tusqh.sampling.placement import GridPlane, Placement
@@ -29,7 +31,7 @@ _EQUAL = 0.02
 
 
 def snap_grid(
-    grid: BackgroundGrid, surfaces: Sequence[Surface], box: Box
+    grid: BackgroundGrid, surfaces: Sequence[Surface], box: Box, *, is_cubic: bool = True
 ) -> tuple[BackgroundGrid, Placement]:
     """Return a grid whose planes lie on as much plane area of a geometry as possible.
 
@@ -42,9 +44,12 @@ def snap_grid(
     grid
         The grid with the requested size of cells, laid over the box.
     surfaces
-        The geometry.
+        The geometry, in the coordinates of the grid.
     box
-        The box that the grid must cover, in model units.
+        The box that the grid must cover, likewise.
+    is_cubic
+        Whether cells stay cubes in the coordinates of the grid; otherwise each axis has its own
+        size, and the grid another frame.
 
     Returns
     -------
@@ -72,12 +77,22 @@ def snap_grid(
             remedy="leave out `snap`; `placement: auto` and `offset` move the grid, too",
         )
     by_axis = [[plane for plane in planes if plane.axis == k] for k in range(grid.dim)]
-    size = _choose_size(by_axis, grid.cell_size)
-    size, origins = _adjust(by_axis, size)
-    snapped = _cover(grid, size, origins, box)
-    requested, taken = ((g.cell_size,) * g.dim for g in (grid, snapped))
-    placement = Placement((0,) * grid.dim, 0, requested=requested, taken=taken)
-    return snapped, replace(placement, planes=_compare(planes, snapped))
+    if is_cubic:
+        size, origins = _adjust(by_axis, _choose_size(by_axis, grid.cell_size))
+        snapped = _cover(grid, [size] * grid.dim, origins, box)
+    else:
+        found = [_fit_axis(planes_of_axis, grid.cell_size) for planes_of_axis in by_axis]
+        snapped = _cover(grid, [size for size, _ in found], [place for _, place in found], box)
+    placement = Placement((0,) * grid.dim, 0, requested=grid.sides, taken=snapped.sides)
+    return snapped, replace(placement, planes=_compare(planes, grid, snapped))
+
+
+def _fit_axis(planes: list[FacePlane], wanted: float) -> tuple[float, float | None]:
+    """Return the size and position of the cells along an axis, chosen for it alone."""
+    if not planes:
+        return wanted, None
+    size, (place,) = _adjust([planes], _choose_size([planes], wanted))
+    return size, place
 
 
 def offset_grid(grid: BackgroundGrid, offset: Sequence[float], box: Box) -> BackgroundGrid:
@@ -99,7 +114,7 @@ def offset_grid(grid: BackgroundGrid, offset: Sequence[float], box: Box) -> Back
     BackgroundGrid(shape=(5, 4), cell_size=1.0, origin=(-0.75, 0.0))
     """
     origins = [o + grid.cell_size * step for o, step in zip(grid.origin, offset, strict=True)]
-    return _cover(grid, grid.cell_size, origins, box)
+    return _cover(grid, [grid.cell_size] * grid.dim, origins, box)
 
 
 def _choose_size(by_axis: list[list[FacePlane]], wanted: float) -> float:
@@ -169,30 +184,47 @@ def _best_position(planes: list[FacePlane], size: float) -> tuple[float, IntArra
 
 
 def _cover(
-    grid: BackgroundGrid, size: float, origins: Sequence[float | None], box: Box
+    grid: BackgroundGrid, sizes: Sequence[float], origins: Sequence[float | None], box: Box
 ) -> BackgroundGrid:
-    """Return the grid with planes through given places that covers a box."""
-    centred = BackgroundGrid.over_box(*box, cell_size=size)
+    """Return the grid with planes through given places that covers a box.
+
+    Sizes, places and the box are in the coordinates of the given grid.  Where the sizes differ, the
+    returned grid has another frame, in whose coordinates its cells are cubes.
+    """
     shape, origin = [], []
-    for axis, place in enumerate(origins):
+    for axis, (size, place) in enumerate(zip(sizes, origins, strict=True)):
         low, high = box[0][axis], box[1][axis]
         if place is None:
-            shape.append(centred.shape[axis])
-            origin.append(centred.origin[axis])
+            shape.append(max(1, math.ceil((high - low) / size - 1e-9)))
+            origin.append(low - (shape[-1] * size - (high - low)) / 2)
             continue
-        first = int(np.floor((low - place) / size + NEAR))
-        last = int(np.ceil((high - place) / size - NEAR))
+        first = math.floor((low - place) / size + NEAR)
+        last = math.ceil((high - place) / size - NEAR)
         shape.append(max(last - first, 1))
         origin.append(place + first * size)
-    return replace(grid, shape=tuple(shape), cell_size=size, origin=tuple(origin))
+    sides = grid.frame.sides or (1.0,) * grid.dim
+    of_cell = tuple(size * side for size, side in zip(sizes, sides, strict=True))
+    frame, cell_size = replace(grid.frame, sides=()), sizes[0]
+    if len(set(sizes)) > 1 or grid.frame.sides:
+        frame, cell_size = Frame.of_sides(None, of_cell)
+        frame = replace(frame, axes=grid.frame.axes)
+        origin = [o * cell_size / size for o, size in zip(origin, sizes, strict=True)]
+    return replace(grid, shape=tuple(shape), cell_size=cell_size, origin=tuple(origin), frame=frame)
 
 
-def _compare(planes: list[FacePlane], grid: BackgroundGrid) -> tuple[GridPlane, ...]:
-    """Return the distance of every plane of the geometry from the nearest one of the grid."""
+def _compare(
+    planes: list[FacePlane], grid: BackgroundGrid, snapped: BackgroundGrid
+) -> tuple[GridPlane, ...]:
+    """Return the distance of every plane of the geometry from the nearest one of a snapped grid.
+
+    The planes are in the coordinates of the grid before; the result is in model units.
+    """
     found = []
     for plane in planes:
-        cells = (plane.at - grid.origin[plane.axis]) / grid.cell_size
+        at = plane.at * grid.sides[plane.axis] / grid.cell_size
+        size = snapped.sides[plane.axis]
+        cells = at / size - snapped.origin[plane.axis] / snapped.cell_size
         away = abs(cells - round(cells))
         away = 0.0 if away <= NEAR else round(away, 6)
-        found.append(GridPlane("xyz"[plane.axis], plane.at, plane.share, away))
+        found.append(GridPlane("xyz"[plane.axis], at, plane.share, away))
     return tuple(found)

@@ -40,7 +40,7 @@ def lay_on_voxels(
     window: Box | None = None,
     *,
     cells: int | Sequence[int] | None = None,
-    cell_size: float | None = None,
+    cell_size: float | Sequence[float] | None = None,
 ) -> BackgroundGrid:
     """Return the background grid over an image; every cell is a whole number of voxels long.
 
@@ -53,7 +53,8 @@ def lay_on_voxels(
     cells
         At most this many cells along the longest side, or along each axis.
     cell_size
-        Edge length of a cell instead, a multiple of the voxel size.
+        Edge length of a cell instead, a multiple of the voxel size.  Cells that are boxes are
+        refused.
 
     Raises
     ------
@@ -68,6 +69,13 @@ def lay_on_voxels(
     """
     first, last = _to_range(image, window)
     n_voxels = last - first
+    if isinstance(cell_size, Sequence):
+        raise SamplingError(
+            f"a `cell_size` of {len(cell_size)} numbers for an image",
+            where=image.name,
+            expected="one number: cells of images are cubes of whole voxels",
+            remedy="give one `cell_size`, or `cells`",
+        )
     if cell_size is not None:
         per_cell = _to_multiple(image, cell_size)
     elif isinstance(cells, Sequence) and len(cells) != image.dim:

@@ -11,6 +11,7 @@ from tusqh.settings.section import Section
 from tusqh.settings.validate import Path
 
 Place = Literal["auto", "corner"]
+Align = Literal["faces", "principal"]
 Box = tuple[tuple[float, ...], tuple[float, ...]]
 
 
@@ -37,11 +38,12 @@ class Grid(Section):
         n_items=(2, 3),
         metavar="N",
     )
-    cell_size: float | None = setting(
-        "Edge length of a cell, instead of `cells`.",
+    cell_size: float | tuple[float, ...] | None = setting(
+        "Edge length of a cell, instead of `cells`, or one for each axis: cells are boxes.",
         default=None,
         unit="units of the geometry",
         above=0,
+        n_items=(2, 3),
         metavar="H",
     )
     placement: Place = setting(
@@ -68,8 +70,33 @@ class Grid(Section):
         kinds=("outline", "surface"),
     )
 
+    rotate: tuple[float, ...] | None = setting(
+        "How the axes of the grid are turned: one angle in the plane, in space three angles about "
+        "x, then y, then z; or a rotation matrix, whose rows are these axes.",
+        default=None,
+        otherwise="they are those of the coordinates",
+        unit="degrees",
+        n_items=(1, 9),
+        metavar="A,B,C",
+        kinds=("outline", "surface"),
+    )
+    align: Align | None = setting(
+        "Turn the axes of the grid to the directions with the most area of plane `faces`, or to "
+        "the `principal` axes of the surface.",
+        default=None,
+        otherwise="as `rotate` says",
+        kinds=("outline", "surface"),
+    )
+
+    @property
+    def is_turned(self) -> bool:
+        """Whether the settings turn the axes of the grid."""
+        return self.rotate is not None or self.align is not None
+
     def find_contradictions(self) -> Iterator[tuple[Path, str, str]]:
-        """Yield settings that both place the grid."""
+        """Yield settings that both place or both turn the grid."""
+        if self.rotate is not None and self.align is not None:
+            yield (), "found `rotate` and `align`", "one of the two"
         if self.snap and self.offset is not None:
             yield (), "found `snap` and `offset`", "one of the two"
         if self.snap and isinstance(self.cells, tuple):
@@ -99,6 +126,29 @@ class Window(Section):
     def box(self) -> Box:
         """The two corners."""
         return self.lower, self.upper
+
+    rotate: tuple[float, ...] | None = setting(
+        "How the axes of the grid are turned: one angle in the plane, in space three angles about "
+        "x, then y, then z; or a rotation matrix, whose rows are these axes.",
+        default=None,
+        otherwise="they are those of the coordinates",
+        unit="degrees",
+        n_items=(1, 9),
+        metavar="A,B,C",
+        kinds=("outline", "surface"),
+    )
+    align: Align | None = setting(
+        "Turn the axes of the grid to the directions with the most area of plane `faces`, or to "
+        "the `principal` axes of the surface.",
+        default=None,
+        otherwise="as `rotate` says",
+        kinds=("outline", "surface"),
+    )
+
+    @property
+    def is_turned(self) -> bool:
+        """Whether the settings turn the axes of the grid."""
+        return self.rotate is not None or self.align is not None
 
     def find_contradictions(self) -> Iterator[tuple[Path, str, str]]:
         """Yield corners that do not span a box."""

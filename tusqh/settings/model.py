@@ -35,7 +35,7 @@ class Settings(Section):
 
     grid: Grid = setting(
         "The background grid: `{cells: n}` along the longest side, `{cells: [nx, ny]}`, or "
-        "`{cell_size: h}`; cells are squares or cubes.",
+        "`{cell_size: h}` for squares or cubes, or `{cell_size: [hx, hy, hz]}` for boxes.",
         default=Grid,
         is_spread=True,
     )
@@ -92,6 +92,25 @@ class Settings(Section):
             yield "`coarsen`"
         if self.quality.checks is not None:
             yield "`checks: all`"
+
+    def find_contradictions(self) -> Iterator[tuple[Path, str, str]]:
+        """Yield values that contradict each other, also what needs cubes or axes not turned."""
+        yield from super().find_contradictions()
+        needs_cubes = {
+            "fit": self.fitting.fit,
+            "coarsen": self.coarsening.coarsen,
+            "slabs": self.memory.slabs,
+            f"inside: {self.sampling.inside}": self.sampling.inside != "winding",
+        }
+        needs_axes = {"window": self.window, "coarsen": self.coarsening.coarsen}
+        if isinstance(self.grid.cell_size, tuple):
+            for name in (name for name, value in needs_cubes.items() if value):
+                found = f"found `{name}` and a `cell_size` of {len(self.grid.cell_size)} numbers"
+                yield (), found, "one `cell_size`, for cells that are squares or cubes"
+        if self.grid.is_turned:
+            for name in (name for name, value in needs_axes.items() if value is not None):
+                found = f"found `{name}` and a grid that is turned"
+                yield (), found, "one of the two: it needs the axes of the coordinates"
 
 
 @dataclass(frozen=True)

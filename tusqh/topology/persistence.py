@@ -65,7 +65,7 @@ def place_pairs(located: pd.DataFrame, grid: BackgroundGrid) -> pd.DataFrame:
     for event in ("birth", "death"):
         points = located[[f"{event}_{axis}" for axis in axes]].to_numpy(dtype=float)
         is_there = np.isfinite(points).all(axis=1)
-        cells = (np.where(is_there[:, None], points, grid.origin) - grid.origin) / grid.cell_size
+        cells = np.where(is_there[:, None], grid.to_lattice(points), 0.0)
         place = np.ravel_multi_index(tuple(np.rint(2 * cells).astype(np.int64).T), shape)
         pairs[f"{event}_place"] = np.where(is_there, place, -1)
     return pairs

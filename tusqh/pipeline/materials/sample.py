@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from tusqh.contacts import MaterialFractions, fractions_of_labels
 from tusqh.contacts.material_fractions import ALL, VOID
 from tusqh.contacts.surface_fractions import fractions_of_surfaces
@@ -15,8 +13,6 @@ from tusqh.geometry.image import Image
 from tusqh.geometry.kinds import Surface
 from tusqh.grid import FloatArray
 from tusqh.pipeline.materials.gather import Gathered, require_known
-from tusqh.sampling.inside_lengths import box_of_inside
-from tusqh.sampling.lattice import Box
 from tusqh.sampling.layout import lay_as_set
 from tusqh.sampling.memory import require_memory
 from tusqh.sampling.placement import Placement
@@ -80,24 +76,20 @@ def sample_materials(gathered: Gathered, settings: Settings, *, rest: str | None
     if gathered.image is not None:
         return _sample_labels(gathered.image, gathered, settings, rest)
     surfaces = list(gathered.surfaces.values())
-    if settings.window is None:
-        box = _box_around(surfaces)
-        box = box_of_inside(surfaces[0], box, settings.sampling, settings.grid)
-    else:
-        box = settings.window.box
-    grid, placement = lay_as_set(surfaces, box, settings.grid)
-    require_memory(grid, "meshing of several materials", name="materials")
-    window = None if settings.window is None else box
+    _require_one_dimension(surfaces)
+    window = None if settings.window is None else settings.window.box
+    laid = lay_as_set(surfaces, window, settings.grid, settings.sampling)
+    require_memory(laid.grid, "meshing of several materials", name="materials")
     found = fractions_of_surfaces(
-        gathered.surfaces,
-        grid,
+        dict(zip(gathered.surfaces, laid.surfaces, strict=True)),
+        laid.grid,
         sampling=settings.sampling,
-        window=window,
+        window=laid.window,
         rest=rest,
         optional=gathered.optional if window is not None else (),
     )
     left_out = tuple(n for n in gathered.surfaces if n not in found.fractions.names)
-    return Sampled(found.fractions, found.overlaps, left_out, placement)
+    return Sampled(found.fractions, found.overlaps, left_out, laid.placement)
 
 
 def name_labels(wishes: Sequence[Material], rest: str | None = None) -> dict[int, str]:
@@ -133,16 +125,12 @@ def _sample_labels(
     return Sampled(replace(fractions, grid=of_unit))
 
 
-def _box_around(surfaces: Sequence[Surface]) -> Box:
-    """Return the box around all surfaces."""
-    boxes = [surface.bounding_box() for surface in surfaces]
-    if len({len(low) for low, _ in boxes}) > 1:
+def _require_one_dimension(surfaces: Sequence[Surface]) -> None:
+    """Raise an error if some surfaces are in the plane and others in space."""
+    if len({len(surface.bounding_box()[0]) for surface in surfaces}) > 1:
         raise GeometryError(
             "outlines in the plane and surfaces in space",
             where="materials",
             expected="materials of one dimension",
             remedy="leave out one of the two kinds",
         )
-    low = np.min([low for low, _ in boxes], axis=0)
-    high = np.max([high for _, high in boxes], axis=0)
-    return tuple(low.tolist()), tuple(high.tolist())

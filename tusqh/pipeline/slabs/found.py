@@ -61,6 +61,11 @@ class PiecedMesh:
         return self.measurement.n_points
 
     @property
+    def sides(self) -> tuple[float, ...]:
+        """Sides of cells that are not cubes: there are none in slabs."""
+        return ()
+
+    @property
     def kind(self) -> NDArray[np.int64]:
         """The kinds of element that occur."""
         return np.array(self.measurement.kinds, dtype=np.int64)

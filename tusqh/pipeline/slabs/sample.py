@@ -12,6 +12,7 @@ import numpy as np
 from tusqh import __version__
 from tusqh.atomic import write_text
 from tusqh.errors import SamplingError
+from tusqh.geometry.framed import box_to_frame, to_frame
 from tusqh.geometry.soup import Soup
 from tusqh.grid import BackgroundGrid
 from tusqh.grid.slabs import cut
@@ -93,9 +94,11 @@ class _Sampler:
         self, original: Original, settings: Settings, folder: WorkFolder, progress: Progress
     ) -> None:
         self.original, self.settings, self.folder = original, settings, folder
-        self.geometry = cast("Soup", original.geometry)
+        surface, window = cast("Soup", original.geometry), original.window
+        box = None if window is None else window.box
+        self.laid = lay_as_set([surface], box, original.grid, original.sampling)
+        self.geometry, self.box = cast("Soup", self.laid.surfaces[0]), self.laid.window
         self.oriented = cast("Soup", orient(self.geometry, original.sampling.orientation).geometry)
-        self.box = None if original.window is None else original.window.box
         self.progress = progress
         self.inputs = {
             "tusqh": __version__,
@@ -141,7 +144,7 @@ def place_in_slabs(
     """
     sampler = _Sampler(original, settings, folder, progress)
     options, sampling = original.grid, original.sampling
-    grid, placement = lay_as_set([sampler.geometry], sampler.box, options)
+    grid, placement = sampler.laid.grid, sampler.laid.placement
     volume = signed_volume(sampler.oriented) if sampling.domain == "inside" else None
     n_slabs = count_slabs(settings, grid, volume, name)
     fractions, sign = sampler.fractions(grid, n_slabs)
@@ -150,7 +153,8 @@ def place_in_slabs(
     threshold = threshold_of(settings)
     survey = take_survey(fractions, original, threshold, name=name, progress=progress)
     progress("placement")
-    reference = find_reference(sampler.geometry, survey, sampling=sampling, window=sampler.box)
+    box = None if original.window is None else original.window.box
+    reference = find_reference(original.geometry, survey, sampling=sampling, window=box)
     placed, placement = place_grid(
         sampler.oriented,
         survey,
@@ -264,8 +268,10 @@ def sampler_of(original: Original, grid: BackgroundGrid) -> SlabSampler:
         The whole grid.
     """
     sampling, window = original.sampling, original.window
-    oriented = cast("Soup", orient(cast("Soup", original.geometry), sampling.orientation).geometry)
-    return SlabSampler.of(oriented, grid, sampling, None if window is None else window.box)
+    surface = to_frame(cast("Soup", original.geometry), grid.frame)
+    oriented = cast("Soup", orient(surface, sampling.orientation).geometry)
+    box = box_to_frame(None if window is None else window.box, grid.frame)
+    return SlabSampler.of(oriented, grid, sampling, box)
 
 
 def original_of(geometry: Soup, settings: Settings) -> Original:
