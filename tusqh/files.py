@@ -292,6 +292,16 @@ _FIGURES = (
     ResultFile(
         "figure_fit", "figures/fit.png", "the model, its staircase and its fitted mesh, with `fit`"
     ),
+    ResultFile(
+        "figure_sets",
+        "figures/sets.png",
+        "the named sets of facets of a fitted mesh, with the numbers of holes, with `fit`",
+    ),
+    ResultFile(
+        "figure_jacobians",
+        "figures/jacobians.png",
+        "the scaled Jacobians of the staircase and of the fitted mesh, with `fit`",
+    ),
     ResultFile("figure_field", "figures/field.png", "the volume fractions of an outline"),
     ResultFile("figure_thresholds", "figures/thresholds.png", "an outline at three thresholds"),
     ResultFile("figure_panels", "figures/panels.png", "a solid at every threshold of the sweep"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -128,7 +128,13 @@ def field_on(points: FloatArray, cells: IntArray, field: FloatArray, origin: Flo
 
 
 def render(
-    surface: Any, box: Any, *, up: Axis = "z", size: tuple[int, int] = (960, 840), **look: Any
+    surface: Any,
+    box: Any,
+    *,
+    up: Axis = "z",
+    size: tuple[int, int] = (960, 840),
+    labels: Mapping[str, FloatArray] | None = None,
+    **look: Any,
 ) -> Any:
     """Return a picture of a surface on a white background, shape (height, width, 3), uint8.
 
@@ -142,6 +148,8 @@ def render(
         Axis that points up.
     size
         Width and height in pixels.
+    labels
+        Places by the text that is written there, over everything else.
     **look
         Options of `pyvista.Plotter.add_mesh`.
 
@@ -157,6 +165,17 @@ def render(
     plotter.set_background("white")
     if surface is not None and surface.n_cells:
         plotter.add_mesh(surface, show_scalar_bar=False, **(_LIGHT | look))
+    if labels:
+        plotter.add_point_labels(
+            np.array(list(labels.values())),
+            list(labels),
+            always_visible=True,
+            show_points=False,
+            font_size=22,
+            text_color="black",
+            shape_color="white",
+            shape_opacity=0.8,
+        )
     low, high = np.asarray(box[0]), np.asarray(box[1])
     centre, extent = (low + high) / 2, float(np.linalg.norm(high - low))
     towards = np.array(VIEW) @ np.array(FRAMES[up]) / np.linalg.norm(VIEW)

@@ -272,7 +272,7 @@ def any_of(dimension):
 
 def figures_of(model):
     """Return the figures of a model, which depend on its dimension."""
-    figures = [*(["fit"] if model in FITTED else []), *FIGURES[DIMENSION[model]]]
+    figures = [*(["fit", "sets", "jacobians"] if model in FITTED else []), *FIGURES[DIMENSION[model]]]
     return [f"results/{model}/figures/{figure}.png" for figure in figures]
 
 

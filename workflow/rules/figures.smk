@@ -41,9 +41,9 @@ rule figures_of_solid:
 
 rule figure_fit:
     input:
-        **files("geometry", "mesh", "fitted"),
+        **files("geometry", "mesh", "fitted", "patches"),
     output:
-        **shown("figure_fit"),
+        **shown("figure_fit", "figure_sets", "figure_jacobians"),
     wildcard_constraints:
         model="|".join(FITTED) or "(?!)",
     params:
