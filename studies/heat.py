@@ -38,7 +38,7 @@ def measure_heat(cells_2d: Sequence[int], cells_3d: Sequence[int]) -> pd.DataFra
         `volume_error`.
     """
     rows = []
-    for domain, sizes, surface in (("disk", cells_2d, _circle()), ("ball", cells_3d, _sphere())):
+    for domain, sizes, surface in (("disk", cells_2d, _circle()), ("ball", cells_3d, unit_sphere())):
         for cells in sizes:
             result = tusqh.mesh(surface, cells=cells, placement="corner", fit=True, name=domain)
             assert isinstance(result, tusqh.Result)
@@ -108,7 +108,7 @@ def _circle(n: int = 4000) -> tuple[FloatArray, IntArray]:
     return points, np.stack([number, (number + 1) % n], axis=1)
 
 
-def _sphere(n: int = 160) -> tuple[FloatArray, IntArray]:
+def unit_sphere(n: int = 160) -> tuple[FloatArray, IntArray]:
     """Return the points and triangles of a sphere with n meridians and n / 2 parallels."""
     down, around = np.pi * np.arange(1, n // 2) / (n // 2), 2 * np.pi * np.arange(n) / n
     rings = np.stack(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studies.heat import _sphere, fit_orders, measure_heat
+from studies.heat import unit_sphere, fit_orders, measure_heat
 from tusqh.geometry.soup import Soup
 from tusqh.sampling.reference import signed_volume
 
@@ -27,7 +27,7 @@ def test_orders_are_slopes():
 
 
 def test_the_sphere_is_closed_and_points_outwards():
-    points, triangles = _sphere(40)
+    points, triangles = unit_sphere(40)
     assert np.allclose(np.linalg.norm(points, axis=1), 1)
     volume = signed_volume(Soup(points, triangles, np.zeros(len(triangles), dtype=np.int64)))
     assert volume == pytest.approx(4 * np.pi / 3, rel=0.02)
