@@ -38,7 +38,10 @@ def measure_heat(cells_2d: Sequence[int], cells_3d: Sequence[int]) -> pd.DataFra
         `volume_error`.
     """
     rows = []
-    for domain, sizes, surface in (("disk", cells_2d, _circle()), ("ball", cells_3d, unit_sphere())):
+    for domain, sizes, surface in (
+        ("disk", cells_2d, _circle()),
+        ("ball", cells_3d, unit_sphere()),
+    ):
         for cells in sizes:
             result = tusqh.mesh(surface, cells=cells, placement="corner", fit=True, name=domain)
             assert isinstance(result, tusqh.Result)

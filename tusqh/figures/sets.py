@@ -66,7 +66,14 @@ def _draw(axes: Axes, mesh: VolumeMesh, sets: Sequence[FacetSet], title: str, up
         style.frame(axes, lower, upper, "units of the file")
         axes.set_title(title, fontsize=9)
         for place, number in zip(at, numbers, strict=True):
-            axes.text(*place, number, ha="center", va="center", fontweight="bold")
+            axes.text(
+                float(place[0]),
+                float(place[1]),
+                number,
+                ha="center",
+                va="center",
+                fontweight="bold",
+            )
     else:
         look: dict[str, Any] = EDGES if mesh.n_cells < EDGES_BELOW else {}
         surface = _surface(mesh, facets, rgb)
