@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studies.heat import unit_sphere, fit_orders, measure_heat
+from studies.heat import fit_orders, measure_heat, unit_sphere
 from tusqh.geometry.soup import Soup
 from tusqh.sampling.reference import signed_volume
 
