@@ -153,7 +153,7 @@ _MESH_TO_VERDICT = (
     ResultFile(
         "coarse_mfem",
         "coarse.mesh",
-        "with `coarsen`: that mesh for MFEM, with its hanging vertices",
+        "with `coarsen`: that mesh for MFEM, with its hanging vertices if it has any",
     ),
     ResultFile(
         "coarsening",

@@ -22,10 +22,10 @@ from tusqh.settings.policy import Policy
 from tusqh.simulate.operators import assemble
 
 
-def random_mesh(seed, shape):
+def random_mesh(seed, shape, width=2.0):
     """Return the mesh of a smooth random field at one half, and its grid."""
     rng = np.random.default_rng(seed)
-    smooth = ndimage.gaussian_filter(rng.random(shape), 2.0, mode="nearest")
+    smooth = ndimage.gaussian_filter(rng.random(shape), width, mode="nearest")
     grid = BackgroundGrid(shape=shape, cell_size=0.1, origin=(0.3,) * len(shape))
     kept = smooth > np.median(smooth)
     votes = rng.random(tuple(2 * n + 1 for n in shape)) < 0.5

@@ -75,13 +75,38 @@ def test_check_finds_another_coarse_mesh(saved, tmp_path):
 
 def test_outputs_that_cannot_hold_hanging_vertices_are_refused_before_work(tmp_path):
     np.save(tmp_path / "block.npy", np.ones((8, 8, 8)))
-    words = ["mesh", str(tmp_path / "block.npy"), "--coarsen", "-o", str(tmp_path / "a.inp")]
+    words = ["mesh", str(tmp_path / "block.npy"), "--coarsen", "interior"]
+    words += ["-o", str(tmp_path / "a.inp")]
     found = CliRunner().invoke(app, words)
     assert isinstance(found.exception, MeshError)
     assert "cannot hold the hanging vertices" in str(found.exception)
     words[-1] = str(tmp_path / "a.vtu")
     assert CliRunner().invoke(app, words).exit_code == 0
     assert read_coarse(tmp_path / "a.vtu").n_uniform == 512
+
+
+def test_a_conforming_mesh_is_written_checked_and_exported(tmp_path):
+    voxels = np.ones((24, 24, 24))
+    voxels[:, 10:13, 10:13] = 0
+    result = tusqh.mesh(voxels, cells=24, threshold=0.5, coarsen="conforming", name="ring")
+    assert "conforming" in str(result.report)
+    result.save(tmp_path)
+    assert (tmp_path / "coarse.mesh").read_text().startswith("MFEM mesh v1.0")
+    code, output = check(tmp_path / "coarse.vtu")
+    assert code == 0, output
+    assert "coarser inside" not in output or "coarse_source" in output
+    result.write(tmp_path / "ring.inp")
+    assert "hole_1" in (tmp_path / "ring.inp").read_text().lower()
+    record = json.loads((tmp_path / "coarsening.json").read_text())
+    assert record["elements"] < record["uniform_elements"]
+    coarse = result.coarse
+    moved = coarse.mesh.points.copy()
+    moved[coarse.mesh.cells[coarse.mesh.kind == 6][0, 0]] += 0.02
+    object.__setattr__(coarse.mesh, "points", moved)
+    write_coarse(tmp_path / "coarse.vtu", coarse)
+    code, output = check(tmp_path / "coarse.vtu")
+    assert code == 1
+    assert "coarse_digest" in output
 
 
 def test_another_word_is_an_error():

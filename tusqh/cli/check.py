@@ -13,7 +13,7 @@ from tusqh.errors import ConfigError
 if TYPE_CHECKING:
     import pandas as pd
 
-    from tusqh.coarsening import CoarseMesh
+    from tusqh.coarsening import CoarseMesh, ConformingMesh
     from tusqh.meshes.checks import Check
     from tusqh.meshes.volume_mesh import VolumeMesh
     from tusqh.topology.betti_numbers import BettiNumbers
@@ -35,8 +35,9 @@ def check(
     where the fractions are there too, its predictions. With the geometry, the fractions, the place
     of the grid and the warnings are recomputed; without it, the warnings are those recorded. In a
     mesh of several materials, each material is checked. A fitted.vtu is compared with fit.json and
-    with the geometry: its topology, its validity and its distances. A coarse.vtu is split into its
-    grid cells, which are checked; its hanging vertices must lie between their parents.
+    with the geometry: its topology, its validity and its distances. A coarse.vtu with hanging
+    vertices is split into its grid cells, which are checked; the vertices must lie between their
+    parents. A conforming one is checked itself. Both are made again from the recorded mesh.
 
     Exit code 0: all holds; 1: something does not; 2: the file cannot be read.
 
@@ -47,6 +48,7 @@ def check(
     * `tusqh check huge.pvtu`
     """
     from tusqh.certificate import FILE_NAME
+    from tusqh.coarsening import CoarseMesh
     from tusqh.meshes.export import read_regions, read_vtu
     from tusqh.pipeline.coarsen import find_coarse
     from tusqh.pipeline.materials.recheck import check_materials
@@ -69,8 +71,8 @@ def check(
     title = f"{mesh.name}: {volume_mesh.n_cells} elements"
     if found is not None:
         coarse, source = found
-        volume_mesh = coarse.uniform
-        title += f", which stand for {volume_mesh.n_cells}"
+        title += f", which stand for {coarse.n_uniform}"
+        volume_mesh = coarse.uniform if isinstance(coarse, CoarseMesh) else coarse.mesh
         table = _check_coarse(mesh, coarse, source, certificate, all_checks=all_checks)
     elif read_regions(mesh) is None:
         table = _check_single(mesh, volume_mesh, certificate, all_checks=all_checks)
@@ -93,28 +95,32 @@ def _end(title: str, table: pd.DataFrame, measured: BettiNumbers, certificate: P
 
 def _check_coarse(
     path: Path,
-    coarse: CoarseMesh,
+    coarse: CoarseMesh | ConformingMesh,
     source: Path | None,
     certificate: Path,
     *,
     all_checks: bool,
 ) -> pd.DataFrame:
-    """Return the checks of a coarse mesh, and of the mesh for which it stands."""
+    """Return the checks of a coarse mesh; with hanging vertices of the mesh for which it stands."""
     from tusqh.antialias.scheme import PINCH_TEMPLATES
     from tusqh.certificate import read_predicted
+    from tusqh.coarsening import CoarseMesh, ConformingMesh
+    from tusqh.coarsening.checks import with_transitions
     from tusqh.pipeline.coarsen import recheck_coarse
     from tusqh.pipeline.judge import judge
     from tusqh.pipeline.recheck_fit import is_fitted
     from tusqh.quality.fit_checks import FITTED
 
-    uniform = coarse.uniform
-    expected = uniform.measurement.by_euler
+    judged = coarse.uniform if isinstance(coarse, CoarseMesh) else coarse.mesh
+    expected = judged.measurement.by_euler
     if source is not None and certificate.is_file():
         expected = read_predicted(certificate)
     scheme = FITTED if source is not None and is_fitted(source) else PINCH_TEMPLATES
+    if isinstance(coarse, ConformingMesh):
+        scheme = with_transitions(scheme)
     claims = recheck_coarse(path, coarse)
     checks: Literal["all"] | None = "all" if all_checks else None
-    verdict = judge(uniform, expected, comparison=claims, checks=checks, scheme=scheme).verdict
+    verdict = judge(judged, expected, comparison=claims, checks=checks, scheme=scheme).verdict
     return verdict.drop(columns="material")
 
 

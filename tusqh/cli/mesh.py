@@ -87,7 +87,8 @@ def mesh(
     is_several = materials or bool(material) or rest is not None
     if in_slabs:
         require_one_in_slabs(geometry, is_several=is_several)
-    written.require(geometry, is_coarse=bool(settings.coarsening.coarsen) and not is_several)
+    has_hanging = settings.coarsening.coarsen == "interior" and not is_several
+    written.require(geometry, has_hanging=has_hanging)
     if is_several:
         shown_as = Shown(as_json=as_json, is_strict=strict)
         mesh_and_show(geometry, material or [], settings, rest=rest, files=written, shown=shown_as)

@@ -105,15 +105,15 @@ class Outputs:
     picture: Path | None = None
     in_slabs: bool = False
 
-    def require(self, geometries: Sequence[str], *, is_coarse: bool = False) -> None:
+    def require(self, geometries: Sequence[str], *, has_hanging: bool = False) -> None:
         """Raise before any work when a file cannot be written.
 
         Parameters
         ----------
         geometries
             The files of the geometry, which must not be replaced.
-        is_coarse
-            Whether a coarse mesh is written, for which there are fewer formats.
+        has_hanging
+            Whether the mesh has hanging vertices, for which there are fewer formats.
 
         Raises
         ------
@@ -138,7 +138,7 @@ class Outputs:
         existing = [Path(geometry) for geometry in geometries if Path(geometry).exists()]
         for path in self.paths:
             (require_slab_format if self.in_slabs else require_format)(path)
-            if is_coarse:
+            if has_hanging:
                 require_coarse_format(path, element=self.element, layer=self.layer)
             require_writable(path)
             if path.exists() and any(path.samefile(geometry) for geometry in existing):

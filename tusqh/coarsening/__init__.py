@@ -1,14 +1,17 @@
-"""Coarser elements inside a mesh: blocks of grid cells far from its boundary become one element.
+"""Larger elements inside a mesh: blocks of grid cells far from its boundary become one element.
 
-Only grid cells with nothing but grid cells around them are merged, so boundary, templates and
-topology stay.  Elements that meet differ by at most a factor of two in size; the vertices in
-between hang on the sides, edges and faces of the coarse elements, and a solver that knows this
-constrains them.
+Only grid cells with nothing but grid cells around them change, so boundary, templates and
+topology stay.  There are two kinds of coarse mesh.  In one, blocks of 2, 4, 8, ... cells along each
+axis are merged; the vertices between small and large elements hang on the sides, edges and faces of
+the large ones, and a solver that knows this constrains them.  In the other, blocks of 3, 9, 27, ...
+cells are merged and the elements between them have shapes with which the mesh conforms.
 
-Modules: `blocks` (which cells are merged), `coarse_mesh` (the coarse mesh, and back to cells),
-`hanging` (the vertices that are constrained), `checks`, `files` (MFEM and VTU).
+Modules: `blocks` (cells that may be merged, blocks of two), `coarse_mesh` and `hanging` (the mesh
+with hanging vertices), `thirds` (blocks of three), `sheets` and `transition` (the elements
+between), `conforming` (the conforming mesh), `checks`, `files` (VTU), `mfem_text` (MFEM).
 """
 
 from tusqh.coarsening.coarse_mesh import CoarseMesh, coarsen
+from tusqh.coarsening.conforming import ConformingMesh, coarsen_conforming
 
-__all__ = ["CoarseMesh", "coarsen"]
+__all__ = ["CoarseMesh", "ConformingMesh", "coarsen", "coarsen_conforming"]

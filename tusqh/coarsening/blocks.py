@@ -9,6 +9,7 @@ one level.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import product
 
 import numba
@@ -98,7 +99,7 @@ def find_blocks(is_plain: BoolArray, *, layers: int = 1) -> list[BoolArray]:
     """
     may_merge = is_plain
     for _ in range(layers):
-        may_merge = _erode(may_merge)
+        may_merge = erode(may_merge)
     levels: list[BoolArray] = []
     while True:
         blocks = _all_of_eight(may_merge)
@@ -107,12 +108,20 @@ def find_blocks(is_plain: BoolArray, *, layers: int = 1) -> list[BoolArray]:
         if not blocks.any():
             return levels
         levels.append(blocks)
-        may_merge = _erode(blocks)
+        may_merge = erode(blocks)
 
 
-def _erode(inside: BoolArray) -> BoolArray:
-    """Return where all neighbours, across corners too, are inside; nothing outside the array is."""
-    for axis in range(inside.ndim):
+def erode(inside: BoolArray, axes: Iterable[int] | None = None) -> BoolArray:
+    """Return where all neighbours, across corners too, are inside; nothing outside the array is.
+
+    Parameters
+    ----------
+    inside
+        What is inside.
+    axes
+        Axes along which neighbours differ; None: all.
+    """
+    for axis in range(inside.ndim) if axes is None else axes:
         moved = np.moveaxis(inside, axis, 0)
         eroded = np.zeros_like(moved)
         eroded[1:-1] = moved[:-2] & moved[1:-1] & moved[2:]

@@ -1,12 +1,19 @@
-"""Checks of a coarse mesh; those of the mesh that it stands for come on top."""
+"""Checks of a coarse mesh.
+
+Those of the mesh that it stands for come on top; a conforming mesh is checked itself.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tusqh.antialias.scheme import Scheme
 from tusqh.coarsening.coarse_mesh import CoarseMesh
+from tusqh.coarsening.conforming import ConformingMesh
+from tusqh.coarsening.transition import LEAST
 from tusqh.meshes.checks import Check
+from tusqh.meshes.volume_mesh import VolumeMesh
 
 #: Largest distance of a hanging vertex from the middle of its parents, in cells.
 _IN_THE_MIDDLE = 1e-9
@@ -45,6 +52,68 @@ def check_coarse(coarse: CoarseMesh) -> list[Check]:
             found=f"{volumes[0]:.12g}",
             required=f"{volumes[1]:.12g}, that of the grid cells",
             holds=difference <= 1e-9 * volumes[1],
+        ),
+    ]
+
+
+def check_conforming(coarse: ConformingMesh) -> list[Check]:
+    """Return the check of the elements of a conforming mesh that the mesh before did not have.
+
+    Parameters
+    ----------
+    coarse
+        The mesh.
+    """
+    found = coarse.least_new
+    return [
+        Check(
+            id="coarse_jacobian",
+            name="smallest scaled Jacobian of the elements inside",
+            found=f"{found:.6f}",
+            required=f">= {LEAST}",
+            holds=found >= LEAST,
+        )
+    ]
+
+
+def with_transitions(scheme: Scheme) -> Scheme:
+    """Return a scheme whose meshes were coarsened and conform.
+
+    Parameters
+    ----------
+    scheme
+        That of the mesh before.
+    """
+    bounds = {dim: min(bound, LEAST) for dim, bound in scheme.bounds.items()}
+    on_sides = min(scheme.on_sides, LEAST)
+    return Scheme(f"{scheme.name}, coarser inside", bounds, on_sides=on_sides)
+
+
+def check_same_domain(coarse: ConformingMesh, mesh: VolumeMesh) -> list[Check]:
+    """Return the checks of a conforming mesh against the mesh from which it was made.
+
+    Parameters
+    ----------
+    coarse
+        The conforming mesh.
+    mesh
+        The mesh before.
+    """
+    now, before = coarse.mesh.measurement, mesh.measurement
+    return [
+        Check(
+            id="coarse_topology",
+            name="Betti numbers of the coarse mesh",
+            found=str(now.by_euler),
+            required=f"{before.by_euler}, as before",
+            holds=now.is_sound and now.has_topology(before.by_euler),
+        ),
+        Check(
+            id="coarse_volume",
+            name="volume of the coarse elements",
+            found=f"{now.volume:.12g}",
+            required=f"{before.volume:.12g}, as before",
+            holds=abs(now.volume - before.volume) <= 1e-9 * before.volume,
         ),
     ]
 

@@ -134,6 +134,7 @@ def coarsen(mesh: VolumeMesh, grid: BackgroundGrid, *, layers: int = 1) -> Coars
         kind=np.concatenate([mesh.kind[stays], np.full(n_blocks, GRID_CELL, dtype=np.int8)]),
         grid_cell=as_indices(np.concatenate([mesh.grid_cell[stays], *lowest])),
         name=mesh.name,
+        unit=mesh.unit,
     )
     zeros = np.zeros(len(stays), dtype=np.int8)
     return CoarseMesh(coarse, np.concatenate([zeros, *levels]), grid)
@@ -191,6 +192,7 @@ def _split(coarse: CoarseMesh) -> VolumeMesh:
         kind=np.concatenate([mesh.kind[stays], np.full(len(merged), GRID_CELL, dtype=np.int8)]),
         grid_cell=as_indices(np.concatenate([mesh.grid_cell[stays], merged])),
         name=mesh.name,
+        unit=mesh.unit,
     )
 
 

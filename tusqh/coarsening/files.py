@@ -6,14 +6,15 @@ from pathlib import Path
 
 import numpy as np
 
-from tusqh.atomic import replacing, write_text
+from tusqh.atomic import write_text
 from tusqh.coarsening.coarse_mesh import CoarseMesh
+from tusqh.coarsening.conforming import ConformingMesh
 from tusqh.coarsening.mfem_text import write_mfem_text
 from tusqh.errors import ConfigError, MeshError
 from tusqh.extras import require
 from tusqh.grid import BackgroundGrid
-from tusqh.meshes.export import read_vtu, write_vtu
-from tusqh.meshes.formats import Export
+from tusqh.meshes.export import Numbers, read_vtu, write_vtu
+from tusqh.meshes.formats import Export, write_mesh
 
 #: Suffixes of the formats that can hold hanging vertices.
 SUFFIXES = (".vtu", ".mesh", ".mfem")
@@ -21,14 +22,11 @@ SUFFIXES = (".vtu", ".mesh", ".mfem")
 #: Cell data of VTU files with the level of every element.
 LEVEL = "level"
 
-#: Start of the content of a VTU file.
-_HEAD = b"<UnstructuredGrid>"
-
 
 def require_coarse_format(
     path: Path, *, element: str | None = None, layer: float | None = None
 ) -> None:
-    """Raise an error if a coarse mesh cannot be written to a file in this way.
+    """Raise an error if a mesh with hanging vertices cannot be written to a file in this way.
 
     Parameters
     ----------
@@ -49,7 +47,7 @@ def require_coarse_format(
             f"the format {path.suffix!r} cannot hold the hanging vertices of a coarse mesh",
             where=str(path),
             expected="one of " + ", ".join(SUFFIXES),
-            remedy="write .mesh for MFEM, or mesh without `coarsen`",
+            remedy="write .mesh for MFEM, or coarsen to a `conforming` mesh",
         )
     if element is not None or layer is not None:
         what = f"element {element!r}" if layer is None else f"layer {layer:g}"
@@ -57,16 +55,19 @@ def require_coarse_format(
             f"{what} of a coarse mesh",
             where=str(path),
             expected="the linear elements of its dimension",
-            remedy="mesh without `coarsen`, or leave out `element` and `layer`",
+            remedy="coarsen to a `conforming` mesh, or leave out `element` and `layer`",
         )
 
 
-def write_coarse(path: Path, coarse: CoarseMesh, export: Export | None = None) -> None:
+def write_coarse(
+    path: Path, coarse: CoarseMesh | ConformingMesh, export: Export | None = None
+) -> None:
     """Write a coarse mesh in the format of a file's suffix; it appears complete or not at all.
 
-    A ``.mesh`` file is in MFEM's format 1.1, whose section `vertex_parents` constrains the hanging
-    vertices.  In a ``.vtu`` file every element carries its `level`, and the field data describe the
-    grid, so that the grid cells can be found again.
+    In a ``.vtu`` file every element carries its `level`, and the field data describe the grid, so
+    that the mesh can be checked.  With hanging vertices, a ``.mesh`` file is in MFEM's format
+    1.1, whose section `vertex_parents` constrains them, and no other format can hold them; a
+    conforming mesh can be written in all.
 
     Parameters
     ----------
@@ -75,41 +76,40 @@ def write_coarse(path: Path, coarse: CoarseMesh, export: Export | None = None) -
     coarse
         The mesh.
     export
-        How its sets are found, which MFEM's file has; None: by the mesh alone.
+        How it is written; None: linear elements, with the sets that the mesh alone gives.
 
     Raises
     ------
     MeshError
-        The format cannot hold hanging vertices.
+        The format does not exist or cannot hold hanging vertices.
     ConfigError
-        Other elements than linear ones, or a layer, are asked for.
+        Elements that the mesh or the format does not have, or a layer, are asked for.
     """
     how = export or Export()
-    require_coarse_format(path, element=how.element, layer=how.layer)
-    if path.suffix != ".vtu":
+    if isinstance(coarse, CoarseMesh):
+        require_coarse_format(path, element=how.element, layer=how.layer)
+    if path.suffix == ".vtu" and how.is_plain(coarse.mesh.dim):
+        _write_vtu(path, coarse)
+    elif isinstance(coarse, ConformingMesh):
+        write_mesh(path, coarse.mesh, export=how)
+    else:
         write_text(path, write_mfem_text(coarse, how))
-        return
-    with replacing(path) as temporary:
-        write_vtu(temporary, coarse.mesh, cell_data={LEVEL: coarse.level.astype(np.int64)})
-        _add_grid(temporary, coarse.grid)
 
 
-def _add_grid(path: Path, grid: BackgroundGrid) -> None:
-    """Add the grid as field data to a VTU file; meshio writes none."""
-    arrays = "".join(
-        f'<DataArray type="Float64" Name="{name}" NumberOfTuples="{len(values)}" format="ascii">'
-        f"{' '.join(format(value, '.17g') for value in values)}</DataArray>"
-        for name, values in (
-            ("grid_shape", grid.shape),
-            ("grid_origin", grid.origin),
-            ("grid_cell_size", (grid.cell_size,)),
-        )
-    )
-    content = path.read_bytes()
-    path.write_bytes(content.replace(_HEAD, _HEAD + f"<FieldData>{arrays}</FieldData>".encode(), 1))
+def _write_vtu(path: Path, coarse: CoarseMesh | ConformingMesh) -> None:
+    grid = coarse.grid
+    numbers: dict[str, Numbers] = {
+        "grid_shape": grid.shape,
+        "grid_origin": grid.origin,
+        "grid_cell_size": grid.cell_size,
+    }
+    if isinstance(coarse, ConformingMesh):
+        numbers["uniform_elements"] = coarse.n_uniform
+    level = {LEVEL: coarse.level.astype(np.int64)}
+    write_vtu(path, coarse.mesh, cell_data=level, numbers=numbers)
 
 
-def read_coarse(path: Path, *, name: str | None = None) -> CoarseMesh | None:
+def read_coarse(path: Path, *, name: str | None = None) -> CoarseMesh | ConformingMesh | None:
     """Return the coarse mesh in a VTU file that `write_coarse` wrote; None if it holds none.
 
     Parameters
@@ -143,4 +143,7 @@ def read_coarse(path: Path, *, name: str | None = None) -> CoarseMesh | None:
             expected="a coarse mesh as `tusqh` writes it",
             remedy="make it again",
         )
+    if "uniform_elements" in stored:
+        n_uniform = int(stored["uniform_elements"][0])
+        return ConformingMesh(mesh, level.astype(np.int8), grid, n_uniform)
     return CoarseMesh(mesh, level.astype(np.int8), grid)

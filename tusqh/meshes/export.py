@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
@@ -29,6 +29,9 @@ SIDE = "side of a cell along "
 #: Field data of VTU files with the number of a material are called this and its name.
 NAME = "material "
 
+#: What field data hold: a number or several.
+Numbers = float | Sequence[float]
+
 #: Start of the content of a VTU file.
 _HEAD = b"<UnstructuredGrid>"
 
@@ -39,6 +42,7 @@ def write_vtu(
     *,
     cell_data: Mapping[str, FloatArray | IntArray] | None = None,
     regions: Regions | None = None,
+    numbers: Mapping[str, Numbers] | None = None,
 ) -> None:
     """Write a mesh as binary VTU; the file appears complete or not at all.
 
@@ -58,6 +62,8 @@ def write_vtu(
         Further values, one per element.
     regions
         Material of every element; None: there is one.
+    numbers
+        Further field data by name.
     """
     import meshio
 
@@ -69,14 +75,14 @@ def write_vtu(
     with replacing(path) as temporary:
         meshio.vtu.write(temporary, out, binary=True)
         names = () if regions is None else regions.names
-        numbers: dict[str, float] = {NAME + n: number for number, n in enumerate(names, start=1)}
-        numbers |= number_of_unit(mesh.unit)
-        numbers |= {SIDE + axis: side for axis, side in zip("xyz", mesh.sides, strict=False)}
-        if numbers:
-            add_numbers(temporary, numbers)
+        stored: dict[str, Numbers] = {NAME + n: number for number, n in enumerate(names, start=1)}
+        stored |= number_of_unit(mesh.unit) | dict(numbers or {})
+        stored |= {SIDE + axis: side for axis, side in zip("xyz", mesh.sides, strict=False)}
+        if stored:
+            add_numbers(temporary, stored)
 
 
-def add_numbers(path: Path, numbers: Mapping[str, float]) -> None:
+def add_numbers(path: Path, numbers: Mapping[str, Numbers]) -> None:
     """Add named numbers as field data to a VTU file; meshio writes no field data.
 
     An array of texts would be natural, but meshio cannot read files that have one.
@@ -92,7 +98,7 @@ def add_numbers(path: Path, numbers: Mapping[str, float]) -> None:
     path.write_bytes(content.replace(_HEAD, _HEAD + field_data(numbers), 1))
 
 
-def field_data(numbers: Mapping[str, float]) -> bytes:
+def field_data(numbers: Mapping[str, Numbers]) -> bytes:
     """Return named numbers as the field data of a VTU file.
 
     Parameters
@@ -100,12 +106,17 @@ def field_data(numbers: Mapping[str, float]) -> bytes:
     numbers
         The numbers by name.
     """
-    arrays = "".join(
-        f'<DataArray type="{"Int64" if isinstance(number, int) else "Float64"}" '
-        f'Name={quoteattr(name)} NumberOfTuples="1" format="ascii">{number!r}</DataArray>'
-        for name, number in numbers.items()
-    )
+    arrays = "".join(_data_array(name, number) for name, number in numbers.items())
     return f"<FieldData>{arrays}</FieldData>".encode()
+
+
+def _data_array(name: str, number: Numbers) -> str:
+    values = [number] if isinstance(number, (int, float)) else list(number)
+    kind = "Int64" if all(isinstance(value, int) for value in values) else "Float64"
+    return (
+        f'<DataArray type="{kind}" Name={quoteattr(name)} NumberOfTuples="{len(values)}" '
+        f'format="ascii">{" ".join(repr(value) for value in values)}</DataArray>'
+    )
 
 
 def number_of_unit(unit: str) -> dict[str, float]:

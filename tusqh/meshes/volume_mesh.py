@@ -26,8 +26,9 @@ KINDS = (
     "connecting template",
     "bridge",
     "ball on a side",
+    "transition",
 )
-GRID_CELL, INNER_CELL, SEPARATING, CONNECTING, BRIDGE, SIDE_BALL = range(6)
+GRID_CELL, INNER_CELL, SEPARATING, CONNECTING, BRIDGE, SIDE_BALL, TRANSITION = range(7)
 
 
 @dataclass(frozen=True)

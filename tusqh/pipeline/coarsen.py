@@ -6,15 +6,15 @@ import json
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from tusqh import __version__
 from tusqh.atomic import write_text
-from tusqh.coarsening import CoarseMesh
-from tusqh.coarsening import coarsen as coarsen_mesh
-from tusqh.coarsening.checks import check_coarse
+from tusqh.coarsening import CoarseMesh, ConformingMesh, coarsen_conforming
+from tusqh.coarsening import coarsen as coarsen_hanging
+from tusqh.coarsening.checks import check_coarse, check_conforming, check_same_domain
 from tusqh.coarsening.files import read_coarse, write_coarse
 from tusqh.errors import MeshError
 from tusqh.files import path_of
@@ -30,7 +30,7 @@ WRITTEN = ("coarse", "coarse_mfem", "coarsening")
 
 @dataclass(frozen=True)
 class Coarsened:
-    """A coarse mesh with what was checked of it.
+    """A coarse mesh that has passed its checks.
 
     Parameters
     ----------
@@ -38,26 +38,34 @@ class Coarsened:
         The mesh.
     """
 
-    coarse: CoarseMesh
+    coarse: CoarseMesh | ConformingMesh
 
     @cached_property
     def facts(self) -> dict[str, Any]:
         """Numbers that describe the mesh."""
         coarse = self.coarse
-        return {
+        facts: dict[str, Any] = {
             "elements": coarse.mesh.n_cells,
             "uniform_elements": coarse.n_uniform,
-            "hanging_vertices": len(coarse.hanging),
             "elements_by_level": np.bincount(coarse.level).tolist(),
         }
+        if isinstance(coarse, ConformingMesh):
+            return facts | {"least_scaled_jacobian_inside": round(coarse.least_new, 6)}
+        return facts | {"hanging_vertices": len(coarse.hanging)}
 
     def line(self) -> str:
         """Return the facts as a sentence."""
         facts = self.facts
-        largest = 1 << (len(facts["elements_by_level"]) - 1)
+        is_conforming = isinstance(self.coarse, ConformingMesh)
+        largest = (3 if is_conforming else 2) ** (len(facts["elements_by_level"]) - 1)
         return (
             f"{facts['elements']:,} elements instead of {facts['uniform_elements']:,}, the largest "
-            f"of {largest} cells along each axis, {facts['hanging_vertices']:,} hanging vertices"
+            f"of {largest} cells along each axis, "
+        ) + (
+            "conforming, scaled Jacobian inside at least "
+            f"{facts['least_scaled_jacobian_inside']:.3f}"
+            if is_conforming
+            else f"{facts['hanging_vertices']:,} hanging vertices"
         )
 
     def write(self, *, source: Path, coarse: Path, coarse_mfem: Path, coarsening: Path) -> None:
@@ -83,7 +91,9 @@ class Coarsened:
         write_text(coarsening, canonical_json(record))
 
 
-def coarsen(mesh: VolumeMesh, grid: BackgroundGrid) -> Coarsened:
+def coarsen(
+    mesh: VolumeMesh, grid: BackgroundGrid, kind: Literal["interior", "conforming"]
+) -> Coarsened:
     """Return the coarse mesh of a staircase or of a fitted mesh.
 
     Parameters
@@ -92,14 +102,22 @@ def coarsen(mesh: VolumeMesh, grid: BackgroundGrid) -> Coarsened:
         The mesh.
     grid
         The grid of which it was made.
+    kind
+        ``"interior"``: with hanging vertices; ``"conforming"``: without.
 
     Raises
     ------
     MeshError
         The coarse mesh fails a check.
     """
-    coarse = coarsen_mesh(mesh, grid)
-    failed = [check for check in check_coarse(coarse) if not check.holds]
+    coarse: CoarseMesh | ConformingMesh
+    if kind == "conforming":
+        coarse = coarsen_conforming(mesh, grid)
+        checks = check_conforming(coarse) + check_same_domain(coarse, mesh)
+    else:
+        coarse = coarsen_hanging(mesh, grid)
+        checks = check_coarse(coarse)
+    failed = [check for check in checks if not check.holds]
     if failed:
         raise MeshError(
             "; ".join(f"{check.name}: {check.found}" for check in failed),
@@ -110,7 +128,7 @@ def coarsen(mesh: VolumeMesh, grid: BackgroundGrid) -> Coarsened:
     return Coarsened(coarse)
 
 
-def recheck_coarse(path: Path, coarse: CoarseMesh) -> list[Check]:
+def recheck_coarse(path: Path, coarse: CoarseMesh | ConformingMesh) -> list[Check]:
     """Return the checks of a coarse mesh, of its record, and of the mesh from which it was made.
 
     Parameters
@@ -125,7 +143,10 @@ def recheck_coarse(path: Path, coarse: CoarseMesh) -> list[Check]:
     MeshError
         The record in its folder cannot be read.
     """
-    checks = check_coarse(coarse)
+    if isinstance(coarse, ConformingMesh):
+        checks = check_conforming(coarse)
+    else:
+        checks = check_coarse(coarse)
     record_file = path_of("coarsening", path.parent)
     if not record_file.is_file():
         return checks
@@ -145,7 +166,13 @@ def recheck_coarse(path: Path, coarse: CoarseMesh) -> list[Check]:
                 holds=None,
             ),
         ]
-    again = coarsen_mesh(read_vtu(source), coarse.grid)
+    before = read_vtu(source)
+    again: CoarseMesh | ConformingMesh
+    if isinstance(coarse, ConformingMesh):
+        again = coarsen_conforming(before, coarse.grid)
+        checks += check_same_domain(coarse, before)
+    else:
+        again = coarsen_hanging(before, coarse.grid)
     is_same = again.mesh.n_cells == coarse.mesh.n_cells and all(
         np.array_equal(a, b)
         for a, b in (
@@ -167,7 +194,7 @@ def recheck_coarse(path: Path, coarse: CoarseMesh) -> list[Check]:
     ]
 
 
-def find_coarse(path: Path) -> tuple[CoarseMesh, Path | None] | None:
+def find_coarse(path: Path) -> tuple[CoarseMesh | ConformingMesh, Path | None] | None:
     """Return the coarse mesh in a file and the mesh from which it was made; None if it holds none.
 
     Parameters

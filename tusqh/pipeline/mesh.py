@@ -65,7 +65,7 @@ def mesh(
     crs: str | None = None,
     image: Mapping[str, float] | None = None,
     fit: bool = False,
-    coarsen: Literal["interior"] | None = None,
+    coarsen: Literal["interior", "conforming"] | None = None,
     volume_tolerance: float = 0.05,
     checks: Literal["all"] | None = None,
     slabs: int | Literal["auto"] | None = None,
@@ -167,7 +167,8 @@ def mesh(
         Move the boundary onto the geometry; `Result.staircase` is the mesh before.
     coarsen
         ``"interior"`` also makes `Result.coarse`, a mesh with larger elements away from the
-        boundary, and hanging vertices between elements of different size.
+        boundary, and hanging vertices between elements of different size; with ``"conforming"``
+        it has none.
     volume_tolerance
         Largest relative difference between the volumes of the mesh and of the geometry that causes
         no warning (with `volume`, no error).

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 
 from tusqh.atomic import write_text
-from tusqh.coarsening import CoarseMesh
+from tusqh.coarsening import CoarseMesh, ConformingMesh
 from tusqh.coarsening.files import write_coarse
 from tusqh.files import path_of
 from tusqh.geometry.canonical import write_geometry
@@ -98,7 +98,7 @@ class Result:
         """The material of every element: there is one."""
 
     @property
-    def coarse(self) -> CoarseMesh | None:
+    def coarse(self) -> CoarseMesh | ConformingMesh | None:
         """The mesh with larger elements inside; None if the settings do not ask for it."""
         return None if self.coarsened is None else self.coarsened.coarse
 
@@ -170,7 +170,8 @@ class Result:
     ) -> None:
         """Write the mesh in the format of the suffix, see `tusqh.meshes.formats.write_mesh`.
 
-        The coarse mesh is written where the settings ask for one, as .vtu or .mesh.
+        The coarse mesh is written where the settings ask for one; with hanging vertices as .vtu
+        or .mesh only.
 
         Parameters
         ----------

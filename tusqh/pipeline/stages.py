@@ -112,7 +112,7 @@ def _coarsen(
     if settings.coarsening.coarsen is None:
         return None
     progress("coarsen")
-    return coarsen_built(mesh, fractions.grid)
+    return coarsen_built(mesh, fractions.grid, settings.coarsening.coarsen)
 
 
 def _remarks(reading: Reading, settings: Settings, built: Built) -> tuple[Remark, ...]:

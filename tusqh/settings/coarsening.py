@@ -15,10 +15,11 @@ class Coarsening(Section):
 
     title: ClassVar[str] = "Inside"
 
-    coarsen: Literal["interior"] | None = setting(
-        "`interior` also makes a coarse mesh: blocks of 2, 4, 8, ... grid cells along each axis, "
-        "away from the boundary, become one element. Boundary and topology stay; hanging vertices "
-        "lie between elements of different size, which MFEM constrains.",
+    coarsen: Literal["interior", "conforming"] | None = setting(
+        "Also make a coarse mesh, with larger elements away from the boundary; boundary and "
+        "topology stay. `interior`: blocks of 2, 4, 8, ... grid cells along each axis become one "
+        "element, with hanging vertices between, which MFEM constrains. `conforming`: blocks of 3, "
+        "9, 27, ... cells, without hanging vertices, for all formats.",
         default=None,
         otherwise="all grid cells are elements",
         option="coarsen",

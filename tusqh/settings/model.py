@@ -198,7 +198,8 @@ class Model(Section):
         if self.has_several_materials and self.settings.fitting.fit:
             yield ("fit",), "found True", "false: several materials are not fitted yet"
         if self.has_several_materials and self.settings.coarsening.coarsen is not None:
-            yield ("coarsen",), "found 'interior'", "none: several materials are not coarsened yet"
+            found = f"found {self.settings.coarsening.coarsen!r}"
+            yield ("coarsen",), found, "none: several materials are not coarsened yet"
         if self.settings.memory.slabs is not None:
             wrong = list(self.settings.find_unavailable_in_slabs())
             wrong += ["several materials"] if self.has_several_materials else []

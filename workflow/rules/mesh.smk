@@ -96,6 +96,8 @@ rule coarsen:
         **files("coarse", "coarse_mfem", "coarsening"),
     wildcard_constraints:
         model="|".join(COARSENED) or "(?!)",
+    params:
+        coarsening=settings_of("coarsening"),
     priority: MODELS_FIRST
     script:
         "../scripts/coarsen.py"
