@@ -5,9 +5,9 @@ from itertools import permutations, product
 import meshio
 import numpy as np
 import pytest
+from merged_meshes import full_mesh, random_mesh
 from scipy.sparse.linalg import spsolve
 
-from tests.coarsening.test_coarse_mesh import full_mesh, random_mesh
 from tusqh.coarsening import ConformingMesh, coarsen_conforming
 from tusqh.coarsening import transition as transition_module
 from tusqh.coarsening.checks import check_conforming, check_same_domain

@@ -26,7 +26,7 @@ VALUES = {
     **{"scope": "local", "base": "0.25", "open": ["0"], "cut": ["1"], "fill": ["hole@0,1"]},
     **{"checks": True, "fit": True, "slabs": "3", "inside": "union", "seal": "0.5"},
     **{"unit": "mm", "scale": "2", "convert_to": "m", "crs": "utm"},
-    **{"coarsen": True, "thickness": "1 cell", "offset": "0.5,0.25,0", "snap": True},
+    **{"coarsen": "interior", "thickness": "1 cell", "offset": "0.5,0.25,0", "snap": True},
     **{"rotate": "30,0,0", "align": "faces"},
     **{
         prefix + name: value
