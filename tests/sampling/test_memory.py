@@ -1,5 +1,8 @@
 """The estimate of memory is right within 30 %, and a grid that does not fit is refused."""
 
+import tempfile
+from pathlib import Path
+
 import numpy as np
 import pytest
 import trimesh
@@ -9,7 +12,7 @@ from benchmarks.measure import measure
 from tusqh.errors import SamplingError
 from tusqh.pipeline.ingest import ingest
 from tusqh.pipeline.sample import sample
-from tusqh.sampling.memory import estimate_memory
+from tusqh.sampling.memory import estimate_memory, estimate_slabs
 from tusqh.settings.grid import Grid
 
 
@@ -45,6 +48,33 @@ def test_the_estimate_is_right_within_thirty_percent(shape, cells, share):
     dim = 2 if shape == "disc" else 3
     n_cells = round(cells**dim * (0.8 if shape == "box" else 1.0))
     estimate = estimate_memory(n_cells, round(share * n_cells), dim=dim)
+    assert estimate / 1e9 == pytest.approx(cost.peak_gb, rel=0.3)
+
+
+def prepare_slabs(shape, cells, n_slabs):
+    """Return a geometry, its cells and slabs; nothing for the warm-up, which must not count."""
+    return None if shape is None else (*prepare(shape, cells), n_slabs)
+
+
+def mesh_slabs(prepared):
+    """Mesh a geometry in slabs, with its pieces and checks."""
+    if prepared is None:
+        return
+    source, cells, n_slabs = prepared
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "mesh.pvtu"
+        tusqh.mesh(source, cells=cells, placement="corner", slabs=n_slabs, output=path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("shape", "cells", "n_slabs", "share"),
+    [("box", 112, 4, 1.0), ("ball", 160, 4, np.pi / 6), ("ball", 160, 16, np.pi / 6)],
+)
+def test_the_estimate_in_slabs_is_right_within_thirty_percent(shape, cells, n_slabs, share):
+    cost = measure(prepare_slabs, mesh_slabs, (None, 0, 0), shape, cells, n_slabs)
+    n_cells = round(cells**3 * (0.8 if shape == "box" else 1.0))
+    estimate = estimate_slabs(n_cells, round(share * n_cells), n_slabs)
     assert estimate / 1e9 == pytest.approx(cost.peak_gb, rel=0.3)
 
 

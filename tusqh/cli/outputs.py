@@ -129,15 +129,17 @@ class Outputs:
         from tusqh.meshes.choose_sets import Wish
         from tusqh.meshes.elements import require_element
         from tusqh.meshes.formats import require_format
-        from tusqh.pipeline.slabs.write import require_slab_format
 
+        require_suffix = require_format
+        if self.in_slabs:
+            from tusqh.pipeline.slabs.write import require_slab_format as require_suffix
         self._require_possible()
         require_element(self.element)
         for text in self.sets:
             Wish.read(text)
         existing = [Path(geometry) for geometry in geometries if Path(geometry).exists()]
         for path in self.paths:
-            (require_slab_format if self.in_slabs else require_format)(path)
+            require_suffix(path)
             if has_hanging:
                 require_coarse_format(path, element=self.element, layer=self.layer)
             require_writable(path)

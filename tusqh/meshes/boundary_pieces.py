@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.meshes.element_mesh import ElementMesh
@@ -190,6 +188,9 @@ def components(first: IntArray, second: IntArray, n: int) -> IntArray:
     >>> components(np.array([2]), np.array([3]), 4).tolist()
     [0, 1, 2, 2]
     """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     graph = coo_array((np.ones(len(first)), (first, second)), shape=(n, n))
     label = connected_components(graph, directed=False)[1]
     _, at, inverse = np.unique(label, return_index=True, return_inverse=True)

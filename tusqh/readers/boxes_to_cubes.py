@@ -12,7 +12,6 @@ import math
 
 import numpy as np
 from numba import njit
-from scipy import sparse
 
 from tusqh.grid import FloatArray
 
@@ -43,6 +42,8 @@ def resample_boxes(values: FloatArray, sides: FloatArray, size: float) -> FloatA
     >>> resample_boxes(np.array([[[1.0, 0.0]]]), np.array([1.0, 1.0, 1.5]), 1.0).tolist()
     [[[1.0, 0.5, 0.0]]]
     """
+    from scipy import sparse
+
     for axis in range(3):
         n_voxels, side = values.shape[axis], float(sides[axis]) / size
         n_cubes = math.ceil(n_voxels * side - _ROUNDING)
