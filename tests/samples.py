@@ -126,6 +126,25 @@ def write_maps(folder):
         f"<Polygon>{rings}</Polygon></Placemark></Document></kml>"
     )
     write_geopackage(folder / "plate.gpkg", [shape])
+    write_gml(folder / "plate.gml", [RING, HOLE])
+
+
+def write_gml(path, rings, *, system=None, is_old=False):
+    """Write a polygon with holes as GML of version 3 or 2."""
+    names = ("outerBoundaryIs", "innerBoundaryIs") if is_old else ("exterior", "interior")
+    sides = ""
+    for k, ring in enumerate(rings):
+        blank = "," if is_old else " "
+        text = " ".join(f"{float(x)!r}{blank}{float(y)!r}" for x, y in ring)
+        kind, side = "coordinates" if is_old else "posList", names[k > 0]
+        sides += f"<gml:{side}><gml:LinearRing><gml:{kind}>{text}</gml:{kind}></gml:LinearRing>"
+        sides += f"</gml:{side}>"
+    stated = f' srsName="{system}"' if system else ""
+    path.write_text(
+        '<a:map xmlns:a="http://example.org/a" xmlns:gml="http://www.opengis.net/gml/3.2">'
+        f"<gml:featureMember><a:plate><a:shape><gml:Polygon{stated}>{sides}</gml:Polygon></a:shape>"
+        "</a:plate></gml:featureMember></a:map>"
+    )
 
 
 def write_geopackage(path, shapes, *, srs=(-1, "NONE", -1, "undefined")):

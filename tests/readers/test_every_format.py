@@ -12,10 +12,12 @@ import shapefile
 import shapely
 import tifffile
 import trimesh
+from PIL import Image as Pillow
 from samples import (
     write_dicom,
     write_draco,
     write_geopackage,
+    write_gml,
     write_metaimage,
     write_nifti,
     write_threemf,
@@ -26,6 +28,7 @@ import tusqh
 from tusqh.errors import GeometryError
 from tusqh.geometry.units import METRES
 from tusqh.readers.files import read_file
+from tusqh.readers.formats import find_format, suffixes_of
 from tusqh.settings.lengths import Lengths
 
 #: A box in metres, with three lengths and away from 0.
@@ -184,6 +187,12 @@ def test_images_of_boxes_and_of_other_formats(tmp_path):
     image.cell_data["a"] = BLOCK.ravel(order="F")
     image.save(tmp_path / "a.vti")
     check_block(read_file(tmp_path / "a.vti"))
+    layer = Pillow.fromarray(255 * BLOCK[:, ::-1, 5].T)
+    layer.save(tmp_path / "a.png")
+    lengths = Lengths(unit="mm")
+    picture = read_file(tmp_path / "a.png", lengths=lengths, image={"voxel_size": 1.0}).geometry
+    assert np.array_equal(picture.fractions(), BLOCK[:, :, 5])
+    assert (picture.bounding_box(), picture.unit) == (((0.0, 0.0), (6.0, 11.0)), "mm")
 
 
 def write_series(folder, *, without=(), shift=0.0):
@@ -229,6 +238,7 @@ def write_outlines(folder):
     (folder / "a.geojson").write_text(json.dumps(shapely.geometry.mapping(shape)))
     (folder / "a.wkt").write_text(shape.wkt)
     write_geopackage(folder / "a.gpkg", [shape])
+    write_gml(folder / "a.gml", [RING, HOLE])
     # Two arcs make the ring, the second one backwards; numbers are differences of tenths.
     arcs = [RING[:3], RING[2:][::-1], HOLE]
     packed = [np.rint(np.diff(10 * a, axis=0, prepend=0)).astype(int).tolist() for a in arcs]
@@ -254,10 +264,13 @@ def write_outlines(folder):
     (folder / "a.csv").write_text("\n".join(["x0,y0,x1,y1", *rows]) + "\n")
 
 
+OUTLINES = ("geojson", "wkt", "gpkg", "gml", "topojson", "shp", "dxf", "svg", "csv")
+
+
 def test_an_outline_in_every_format_has_one_mesh(tmp_path):
     write_outlines(tmp_path)
     meshes = {}
-    for suffix in ("geojson", "wkt", "gpkg", "topojson", "shp", "dxf", "svg", "csv"):
+    for suffix in OUTLINES:
         path = tmp_path / f"a.{suffix}"
         result = tusqh.mesh(path, unit="mm", convert_to="m", cells=14, placement="corner")
         meshes[suffix] = result.mesh
@@ -276,14 +289,120 @@ def test_kml_is_projected_and_a_geopackage_states_its_system(tmp_path):
     )
     write_geopackage(tmp_path / "a.gpkg", [degrees], srs=(4326, "EPSG", 4326, "undefined"))
     (tmp_path / "a.wkt").write_text(f"SRID=4326;{degrees.wkt}")
+    corners = np.array(degrees.exterior.coords)
+    write_gml(tmp_path / "a.gml", [corners], system="EPSG:4326", is_old=True)
+    # In a URN the order is that of the authority: latitude first.
+    urn = "urn:ogc:def:crs:EPSG::4326"
+    write_gml(tmp_path / "b.gml", [corners[:, ::-1]], system=urn)
     boxes = []
-    for suffix in ("kml", "gpkg", "wkt"):
+    for name in ("a.kml", "a.gpkg", "a.wkt", "a.gml", "b.gml"):
         with pytest.raises(GeometryError, match="longitudes and latitudes"):
-            read_file(tmp_path / f"a.{suffix}")
-        reading = read_file(tmp_path / f"a.{suffix}", lengths=Lengths(crs="utm"))
+            read_file(tmp_path / name)
+        reading = read_file(tmp_path / name, lengths=Lengths(crs="utm"))
         assert reading.unit == "m"
         boxes.append(reading.geometry.bounding_box())
-    assert boxes[0] == boxes[1] == boxes[2]
+    assert all(box == boxes[0] for box in boxes)
+
+
+def test_gml_with_curves_or_several_systems_is_refused(tmp_path):
+    write_gml(tmp_path / "a.gml", [RING], system="EPSG:32618")
+    text = (tmp_path / "a.gml").read_text()
+    (tmp_path / "b.gml").write_text(text.replace("LinearRing", "Arc").replace("Polygon", "Curve"))
+    with pytest.raises(GeometryError, match="an element <Arc>"):
+        read_file(tmp_path / "b.gml")
+    other = text.replace("<gml:exterior", '<gml:exterior srsName="EPSG:32619"', 1)
+    (tmp_path / "c.gml").write_text(other)
+    with pytest.raises(GeometryError, match="the coordinate systems EPSG:32618, EPSG:32619"):
+        read_file(tmp_path / "c.gml")
+    (tmp_path / "d.gml").write_text(text.replace("1.0", "one"))
+    with pytest.raises(GeometryError, match="the coordinates of geometry 0 cannot be read"):
+        read_file(tmp_path / "d.gml")
+
+
+def write_surface(path):
+    """Write the box as a surface in the format of the suffix; return the unit to give."""
+    unit = "m" if path.suffix in (".glb", ".gltf") else "mm"
+    points, triangles = box_in(unit)
+    mesh = trimesh.Trimesh(points, triangles, process=False)
+    if path.suffix == ".3mf":
+        write_threemf(path, points, triangles)
+    elif path.suffix in (".step", ".stp"):
+        path.write_text(step_box(tuple(1e3 * LOW), tuple(1e3 * HIGH), unit="mm"))
+    elif path.suffix in (".vtk", ".vtp", ".vtu"):
+        faces = np.column_stack([np.full(len(triangles), 3), triangles]).ravel()
+        surface = pyvista.PolyData(points, faces=faces)
+        (surface.cast_to_unstructured_grid() if path.suffix == ".vtu" else surface).save(path)
+    elif path.suffix == ".gltf":
+        for name, content in trimesh.exchange.gltf.export_gltf(trimesh.Scene([mesh])).items():
+            (path if name.endswith(".gltf") else path.with_name(name)).write_bytes(content)
+    else:
+        mesh.export(path)
+    return None if path.suffix in (".glb", ".gltf", ".3mf", ".step", ".stp") else "mm"
+
+
+def write_image(path):
+    """Write the block as an image, or a layer of it as a picture; return the options to give."""
+    steps, first = np.eye(3), np.full(3, 0.5)
+    if path.name.endswith((".nii", ".nii.gz")):
+        write_nifti(path, BLOCK, np.column_stack([steps, first]))
+    elif path.suffix in (".mha", ".mhd"):
+        write_metaimage(path, BLOCK, steps, first)
+    elif path.suffix in (".nrrd", ".nhdr"):
+        nrrd.write(str(path), BLOCK, {"space directions": steps, "space origin": first})
+    elif path.suffix == ".vti":
+        image = pyvista.ImageData(dimensions=np.array(BLOCK.shape) + 1)
+        image.cell_data["a"] = BLOCK.ravel(order="F")
+        image.save(path)
+    elif path.suffix == ".npy":
+        np.save(path, BLOCK)
+    elif path.suffix in (".tif", ".tiff"):
+        tifffile.imwrite(path, BLOCK.transpose(2, 1, 0), photometric="minisblack")
+    elif path.suffix == ".dcm":
+        write_dicom(path, BLOCK.transpose(2, 1, 0))
+    elif path.suffix == ".spn":
+        path.write_text("\n".join(map(str, BLOCK.ravel().tolist())) + "\n")
+        return {"voxels": list(BLOCK.shape)}
+    else:
+        Pillow.fromarray(255 * BLOCK[:, ::-1, 5].T).save(path, **JPEG.get(path.suffix, {}))
+    return {}
+
+
+JPEG = {suffix: {"quality": 100, "subsampling": 0} for suffix in (".jpg", ".jpeg")}
+
+
+@pytest.mark.parametrize("suffix", suffixes_of())
+def test_every_suffix_of_the_table_has_the_solid_in_its_place_in_metres(tmp_path, suffix):
+    path, image, unit = tmp_path / f"a{suffix}", None, None
+    kind = find_format(str(path)).kind
+    low, high = 1e3 * LOW, 1e3 * HIGH
+    if kind == "outline":
+        write_outlines(tmp_path)
+        unit = "mm"
+        low, high = low[:2], high[:2] - [0, 1]
+        if suffix == ".json":
+            path.write_text(path.with_suffix(".geojson").read_text())
+        elif suffix == ".kml":
+            pytest.skip("only in longitude and latitude: the test of projections has it")
+    elif kind == "surface":
+        if suffix in (".iges", ".igs"):
+            pytest.skip("surfaces only: the test of its unit has them")
+        unit = write_surface(path)
+    else:
+        image = write_image(path)
+    if kind in ("image", "picture") and suffix not in (".dcm", ".nii", ".nii.gz"):
+        unit = "mm"
+    reading = read_file(path, image=image, lengths=Lengths(unit=unit, convert_to="m"))
+    geometry = reading.geometry
+    assert reading.unit == "m"
+    if kind in ("image", "picture"):
+        there = np.argwhere(geometry.fractions() > 0.5)
+        box = geometry.origin + geometry.voxel_size * np.stack([there, there + 1])
+        low, high = low[: geometry.dim], high[: geometry.dim]
+        found = box.min(axis=(0, 1)), box.max(axis=(0, 1))
+        assert len(there) == BLOCK.sum() if kind == "image" else BLOCK[:, :, 5].sum()
+    else:
+        found = geometry.bounding_box()
+    assert 1e3 * np.array(found) == pytest.approx(np.array([low, high]), abs=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -291,7 +410,7 @@ def test_kml_is_projected_and_a_geopackage_states_its_system(tmp_path):
     [
         ("a.sldprt", "save it as STEP"),
         ("a.dwg", "save it as DXF"),
-        ("a.gml", "ogr2ogr"),
+        ("a.fgb", "ogr2ogr"),
         ("a.fbx", "glTF"),
         ("a.bmp", "PNG"),
         ("a.mgz", "NIfTI"),

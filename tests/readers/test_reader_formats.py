@@ -17,6 +17,7 @@ from tusqh.readers.formats import FORMATS, dimension_of, suffixes_of
 OTHERS = {
     "__init__",
     "axes",
+    "beside",
     "content",
     "curves",
     "files",
@@ -38,6 +39,7 @@ OTHERS = {
     "vtk_legacy",
 }
 OTHERS |= {"boxes_to_cubes", "simple_features", "frames", "lengths", "places", "project"}
+OTHERS |= {"xml_names"}
 OTHERS |= {"loose", "paint", "polygons_of_maps", "rings"}
 OTHERS |= {"svg_frame", "svg_shapes", "svg_style", "svg_tree"}
 
@@ -50,8 +52,17 @@ def test_every_reader_is_in_the_table_and_every_suffix_once(repository):
         assert callable(import_module(f"tusqh.readers.{found.module}").read)
 
 
+def test_the_page_on_inputs_has_the_table(repository):
+    text = (repository / "docs/inputs.md").read_text()
+    for found in FORMATS:
+        library = f"{found.library} (`{found.extra}`)" if found.library else ""
+        suffixes = ", ".join(f"`{suffix}`" for suffix in found.suffixes)
+        assert found.loses
+        assert f"| {found.name} | {suffixes} | {library} | {found.loses} |" in text
+
+
 def test_every_library_belongs_to_the_extra_that_the_table_names(repository):
-    names = {"shapefile": "pyshp", "nrrd": "pynrrd"}
+    names = {"shapefile": "pyshp", "nrrd": "pynrrd", "PIL": "pillow"}
     project = tomllib.loads((repository / "pyproject.toml").read_text())["project"]
     with_library = [found for found in FORMATS if found.library]
     assert len(with_library) > 3

@@ -85,6 +85,8 @@ _TEXTS = (
     (rb"(?s)<.{0,3000}?<(?:\w+:)?svg\b|<(?:\w+:)?svg\b", Content("an SVG drawing", (".svg",))),
     (rb"(?:NDims|ObjectType)\s*=", Content("a MetaImage file", (".mha", ".mhd"))),
     (rb"(?s)<.{0,3000}?<(?:\w+:)?kml\b|<(?:\w+:)?kml\b", Content("a KML file", (".kml",))),
+    (rb"(?s)<.{0,3000}?xmlns(?::\w+)?=[\"']http://www\.opengis\.net/gml\b",
+     Content("a GML file", (".gml",))),
     (rb"(?i)(?:SRID=\d+;)?(?:MULTI)?(?:POLYGON|LINESTRING)\s*Z?M?\s*\(|GEOMETRYCOLLECTION\s*\(",
      Content("a file of well-known text", (".wkt",))),
     (rb"(?s)\{.{0,3000}?\"type\"\s*:\s*\"Topology\"",

@@ -11,6 +11,7 @@ from tusqh.errors import GeometryError
 from tusqh.extras import require
 from tusqh.geometry.remark import Remark
 from tusqh.grid import FloatArray
+from tusqh.readers.beside import files_beside
 from tusqh.readers.frames import place_of_centres
 from tusqh.readers.gate import require_memory
 from tusqh.readers.polygon_faces import damaged
@@ -47,9 +48,7 @@ def read(path: Path, *, meaning: Voxels) -> Reading:
     chosen = _open(pydicom, path)
     series = str(chosen.get("SeriesInstanceUID", ""))
     slices, n_others = [(path, chosen)], 0
-    for other in sorted(p for p in path.parent.iterdir() if p.suffix == path.suffix and p != path):
-        if not other.is_file():
-            continue
+    for other in files_beside(path):
         found = _open(pydicom, other)
         if series and str(found.get("SeriesInstanceUID", "")) == series:
             slices.append((other, found))

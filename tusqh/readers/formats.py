@@ -34,6 +34,8 @@ class Format:
     growth
         Measured number of bytes of memory that reading needs for each byte of a file; the readers
         of compressed images make better estimates.
+    loses
+        What such a file cannot hold, or its reader leaves out.
     """
 
     name: str
@@ -45,28 +47,45 @@ class Format:
     unit: str = ""
     is_map: bool = False
     growth: float = 1.0
+    loses: str = ""
 
 
 # fmt: off
 #: All formats, in the order in which messages list them.
 FORMATS = (
-    Format("GeoJSON", (".geojson", ".json"), "outline", "geojson", is_map=True, growth=8),
-    Format("SVG", (".svg",), "outline", "svg", "svgpathtools", "formats", growth=16),
+    Format("GeoJSON", (".geojson", ".json"), "outline", "geojson", is_map=True, growth=8,
+           loses="heights; curves are polygons"),
+    Format("SVG", (".svg",), "outline", "svg", "svgpathtools", "formats", growth=16,
+           loses="text and pictures; curves become segments"),
     Format(
-        "shapefile", (".shp",), "outline", "shp", "shapefile", "formats", is_map=True, growth=8
-    ),
-    Format("DXF", (".dxf",), "outline", "dxf", "ezdxf", "formats", growth=10),
-    Format("CSV of segments", (".csv",), "outline", "segments", growth=12),
-    Format("TopoJSON", (".topojson",), "outline", "topojson", is_map=True, growth=12),
-    Format("KML", (".kml",), "outline", "kml", is_map=True, growth=12),
-    Format("WKT", (".wkt",), "outline", "wkt", is_map=True, growth=10),
-    Format("GeoPackage", (".gpkg",), "outline", "geopackage", is_map=True, growth=4),
-    Format("STL", (".stl",), "surface", "stl", growth=6),
-    Format("OBJ", (".obj",), "surface", "obj", growth=20),
-    Format("PLY", (".ply",), "surface", "ply", growth=12),
-    Format("OFF", (".off",), "surface", "off", growth=16),
-    Format("glTF", (".glb", ".gltf"), "surface", "gltf", unit="m", growth=8),
-    Format("3MF", (".3mf",), "surface", "threemf", growth=4),
+        "shapefile", (".shp",), "outline", "shp", "shapefile", "formats", is_map=True, growth=8,
+           loses="heights and the table of attributes"),
+    Format("DXF", (".dxf",), "outline", "dxf", "ezdxf", "formats", growth=10,
+           loses="text, hatches and layers"),
+    Format("CSV of segments", (".csv",), "outline", "segments", growth=12,
+           loses="the unit; polygons are only segments"),
+    Format("TopoJSON", (".topojson",), "outline", "topojson", is_map=True, growth=12,
+           loses="points; coordinates are rounded to its transform"),
+    Format("KML", (".kml",), "outline", "kml", is_map=True, growth=12,
+           loses="heights; it is always in longitude and latitude"),
+    Format("GML", (".gml",), "outline", "gml", is_map=True, growth=12,
+           loses="heights; curves are rejected"),
+    Format("WKT", (".wkt",), "outline", "wkt", is_map=True, growth=10,
+           loses="heights and names"),
+    Format("GeoPackage", (".gpkg",), "outline", "geopackage", is_map=True, growth=4,
+           loses="heights and the table of attributes"),
+    Format("STL", (".stl",), "surface", "stl", growth=6,
+           loses="the unit, shared points; binary files have single precision"),
+    Format("OBJ", (".obj",), "surface", "obj", growth=20,
+           loses="the unit; curved surfaces"),
+    Format("PLY", (".ply",), "surface", "ply", growth=12,
+           loses="the unit; other elements"),
+    Format("OFF", (".off",), "surface", "off", growth=16,
+           loses="the unit and parts"),
+    Format("glTF", (".glb", ".gltf"), "surface", "gltf", unit="m", growth=8,
+           loses="double precision; quantised and compressed files more"),
+    Format("3MF", (".3mf",), "surface", "threemf", growth=4,
+           loses="supports, lattices of beams and colours"),
     Format(
         "STEP or IGES",
         (".step", ".stp", ".iges", ".igs"),
@@ -75,18 +94,29 @@ FORMATS = (
         "cascadio",
         "cad",
         growth=20,
-    ),
-    Format("VTK", (".vtk", ".vtu", ".vtp"), "surface", "vtk", "pyvista", "formats", growth=8),
-    Format("VTK image", (".vti",), "image", "vti", "pyvista", "formats", growth=3),
-    Format("NumPy array", (".npy",), "image", "npy", growth=2),
-    Format("TIFF stack", (".tif", ".tiff"), "image", "tiff", "tifffile", "formats", growth=1),
-    Format("SPN of Sculpt", (".spn",), "image", "spn", growth=7),
-    Format("NRRD", (".nrrd", ".nhdr"), "image", "nrrd", "nrrd", "formats", growth=1),
-    Format("NIfTI", (".nii", ".nii.gz"), "image", "nifti", growth=1),
-    Format("MetaImage", (".mha", ".mhd"), "image", "metaimage", growth=1),
-    Format("DICOM", (".dcm",), "image", "dicom", "pydicom", "formats", growth=3),
-    Format("PNG", (".png",), "picture", "picture", "PIL", "formats"),
-    Format("JPEG", (".jpg", ".jpeg"), "picture", "picture", "PIL", "formats"),
+           loses="curved surfaces become triangles of single precision"),
+    Format("VTK", (".vtk", ".vtu", ".vtp"), "surface", "vtk", "pyvista", "formats", growth=8,
+           loses="the unit; fields"),
+    Format("VTK image", (".vti",), "image", "vti", "pyvista", "formats", growth=3,
+           loses="the unit"),
+    Format("NumPy array", (".npy",), "image", "npy", growth=2,
+           loses="the unit, the size and the place of voxels"),
+    Format("TIFF stack", (".tif", ".tiff"), "image", "tiff", "tifffile", "formats", growth=1,
+           loses="place and directions; the unit, but for ImageJ and OME"),
+    Format("SPN of Sculpt", (".spn",), "image", "spn", growth=7,
+           loses="the unit, the size, the place and the number of voxels"),
+    Format("NRRD", (".nrrd", ".nhdr"), "image", "nrrd", "nrrd", "formats", growth=1,
+           loses="the meaning of colours"),
+    Format("NIfTI", (".nii", ".nii.gz"), "image", "nifti", growth=1,
+           loses="the fourth axis and later ones"),
+    Format("MetaImage", (".mha", ".mhd"), "image", "metaimage", growth=1,
+           loses="the unit"),
+    Format("DICOM", (".dcm",), "image", "dicom", "pydicom", "formats", growth=3,
+           loses="other series, and overlays"),
+    Format("PNG", (".png",), "picture", "picture", "PIL", "formats",
+           loses="the unit, the size and the place of pixels; palettes"),
+    Format("JPEG", (".jpg", ".jpeg"), "picture", "picture", "PIL", "formats",
+           loses="as PNG, and exact grey values near borders"),
 )
 # fmt: on
 
@@ -101,7 +131,7 @@ _REMEDIES = {
     ),
     **dict.fromkeys((".brep", ".brp"), "save it as STEP (.step), for instance with FreeCAD"),
     ".dwg": "save it as DXF (.dxf)",
-    **dict.fromkeys((".gml", ".fgb", ".tab", ".mif"), "convert it with ogr2ogr OUT.gpkg FILE"),
+    **dict.fromkeys((".fgb", ".tab", ".mif"), "convert it with ogr2ogr OUT.gpkg FILE"),
     ".kmz": "unpack it, and give the KML file in it",
     **dict.fromkeys((".fbx", ".blend", ".3ds", ".dae", ".usdz"), "export it as glTF (.glb)"),
     **dict.fromkeys((".bmp", ".gif", ".webp", ".jp2"), "save it as PNG (.png)"),

@@ -14,6 +14,7 @@ from tusqh.readers.places import WGS84
 from tusqh.readers.polygons_of_maps import Map, reading_of_map
 from tusqh.readers.project import to_plane
 from tusqh.readers.reading import Reading
+from tusqh.readers.xml_names import tag_of
 
 
 def read(path: Path, *, crs: str | None = None) -> Reading:
@@ -37,11 +38,11 @@ def read(path: Path, *, crs: str | None = None) -> Reading:
         Coordinates cannot be read, or `crs` is missing.
     """
     root = ElementTree.parse(path).getroot()
-    if _tag(root) != "kml":
-        raise ValueError(f"the root element is <{_tag(root)}>, not <kml>")
+    if tag_of(root) != "kml":
+        raise ValueError(f"the root element is <{tag_of(root)}>, not <kml>")
     found = Map()
-    for number, placemark in enumerate(e for e in root.iter() if _tag(e) == "Placemark"):
-        found.begin_feature(next((e.text or "" for e in placemark if _tag(e) == "name"), ""))
+    for number, placemark in enumerate(e for e in root.iter() if tag_of(e) == "Placemark"):
+        found.begin_feature(next((e.text or "" for e in placemark if tag_of(e) == "name"), ""))
         for element in placemark.iter():
             _add(element, found, path, f"placemark {number}")
     projected = to_plane(found, WGS84, crs, where=str(path))
@@ -52,13 +53,13 @@ def read(path: Path, *, crs: str | None = None) -> Reading:
 
 def _add(element: Element, found: Map, path: Path, place: str) -> None:
     """Add a polygon, line or point."""
-    kind = _tag(element)
+    kind = tag_of(element)
     if kind == "Polygon":
         rings = []
         for side in ("outerBoundaryIs", "innerBoundaryIs"):
-            for boundary in (e for e in element if _tag(e) == side):
+            for boundary in (e for e in element if tag_of(e) == side):
                 rings += [
-                    _points(e, path, place) for e in boundary.iter() if _tag(e) == "LinearRing"
+                    _points(e, path, place) for e in boundary.iter() if tag_of(e) == "LinearRing"
                 ]
         if rings:
             found.add_polygon(rings, place)
@@ -70,7 +71,7 @@ def _add(element: Element, found: Map, path: Path, place: str) -> None:
 
 def _points(element: Element, path: Path, place: str) -> FloatArray:
     """Return the coordinates of a ring or line, shape (n, 2)."""
-    texts = [e.text or "" for e in element.iter() if _tag(e) == "coordinates"]
+    texts = [e.text or "" for e in element.iter() if tag_of(e) == "coordinates"]
     try:
         rows = [list(map(float, word.split(",")[:2])) for text in texts for word in text.split()]
         return np.array(rows, dtype=np.float64).reshape(-1, 2)
@@ -81,8 +82,3 @@ def _points(element: Element, path: Path, place: str) -> FloatArray:
             expected="longitude,latitude and perhaps a height, with blanks between points",
             remedy="export the file again",
         ) from error
-
-
-def _tag(element: Element) -> str:
-    """Return the name of an element without its namespace."""
-    return element.tag.rpartition("}")[2] if isinstance(element.tag, str) else ""

@@ -10,6 +10,7 @@ import numpy as np
 import shapefile
 
 from tusqh.grid import FloatArray
+from tusqh.readers.beside import files_beside
 from tusqh.readers.places import NOT_STATED, CoordinateSystem, system_of_wkt
 from tusqh.readers.polygons_of_maps import Map, reading_of_map
 from tusqh.readers.project import to_plane
@@ -61,9 +62,8 @@ def read(path: Path, *, crs: str | None = None) -> Reading:
 
 def _system_of(path: Path) -> CoordinateSystem:
     """Return the coordinate system in the file beside a shapefile."""
-    beside = [path.with_suffix(suffix) for suffix in (".prj", ".PRJ")]
-    texts = [file.read_text("utf-8", errors="replace") for file in beside if file.is_file()]
-    return system_of_wkt(texts[0]) if texts else NOT_STATED
+    beside = files_beside(path)
+    return system_of_wkt(beside[-1].read_text("utf-8", errors="replace")) if beside else NOT_STATED
 
 
 def _add(shape: Any, found: Map, place: str) -> None:

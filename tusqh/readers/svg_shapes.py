@@ -15,7 +15,7 @@ from svgpathtools import Arc, Line, parse_path
 from tusqh.grid import FloatArray
 from tusqh.readers.curves import flatten_curve
 from tusqh.readers.svg_frame import Viewport, numbers_in
-from tusqh.readers.svg_style import tag_of
+from tusqh.readers.xml_names import tag_of
 
 #: The elements that are shapes.
 SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")

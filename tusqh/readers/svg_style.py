@@ -6,6 +6,8 @@ import re
 from collections.abc import Iterator, Mapping
 from xml.etree.ElementTree import Element
 
+from tusqh.readers.xml_names import tag_of
+
 #: Properties that an element passes on to its children, with their initial values.
 INHERITED = {"fill": "black", "fill-rule": "nonzero", "clip-rule": "nonzero"}
 INHERITED |= {"visibility": "visible"}
@@ -15,17 +17,6 @@ _SELECTOR = re.compile(r"([\w-]+|\*)?((?:[.#][\w-]+)*)")
 
 #: A selector (tag, and names with their mark) and its declarations.
 Rule = tuple[str, tuple[str, ...], dict[str, str]]
-
-
-def tag_of(element: Element) -> str:
-    """Return the name of an element without its namespace.
-
-    Parameters
-    ----------
-    element
-        The element.
-    """
-    return str(element.tag).rpartition("}")[2]
 
 
 def rules_of(root: Element) -> tuple[list[Rule], int]:

@@ -14,7 +14,8 @@ from tusqh.geometry.remark import Remark
 from tusqh.grid import FloatArray
 from tusqh.readers.svg_frame import Viewport, map_of_viewport, transform_of, viewport_of
 from tusqh.readers.svg_shapes import SHAPES, Subpath, subpaths_of
-from tusqh.readers.svg_style import references_in, rules_of, style_of, tag_of
+from tusqh.readers.svg_style import references_in, rules_of, style_of
+from tusqh.readers.xml_names import tag_of
 
 #: Elements whose content is drawn only if another element refers to it.
 _NOT_DRAWN = {"defs", "symbol", "clipPath", "mask", "marker", "pattern", "style", "script"}

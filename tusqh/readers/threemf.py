@@ -18,6 +18,7 @@ from tusqh.grid import FloatArray
 from tusqh.readers.gate import require_memory
 from tusqh.readers.polygon_faces import damaged
 from tusqh.readers.reading import Reading
+from tusqh.readers.xml_names import tag_of
 
 _EXPECTED = "a complete 3MF file"
 _RELATION = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
@@ -67,7 +68,7 @@ class _Package:
             root = self._parse(main)
             parts: list[Part] = []
             names: list[str] = []
-            items = [e for e in root.iter() if _tag(e) == "item"]
+            items = [e for e in root.iter() if tag_of(e) == "item"]
             for item in items:
                 matrix = self._matrix(item)
                 self._place(main, item.get("objectid", ""), matrix, parts, names, 0)
@@ -109,8 +110,8 @@ class _Package:
     def _parse(self, name: str) -> Element:
         """Read a model, and keep its objects by their number."""
         root = self._xml(name)
-        self.models[name] = {e.get("id", ""): e for e in root.iter() if _tag(e) == "object"}
-        self.left_out["lattices of beams"] += sum(_tag(e) == "beamlattice" for e in root.iter())
+        self.models[name] = {e.get("id", ""): e for e in root.iter() if tag_of(e) == "object"}
+        self.left_out["lattices of beams"] += sum(tag_of(e) == "beamlattice" for e in root.iter())
         return root
 
     def _place(
@@ -133,7 +134,7 @@ class _Package:
             self.left_out["supports and other objects that are not solids"] += 1
             return
         for child in found:
-            if _tag(child) == "mesh":
+            if tag_of(child) == "mesh":
                 points, triangles = self._mesh(child)
                 is_mirrored = np.linalg.det(matrix[:3]) < 0
                 parts.append(
@@ -143,7 +144,7 @@ class _Package:
                     )
                 )
                 names.append(found.get("name", ""))
-            elif _tag(child) == "components":
+            elif tag_of(child) == "components":
                 for component in child:
                     inner = self._matrix(component)
                     place = np.vstack([inner[:3] @ matrix[:3], inner[3] @ matrix[:3] + matrix[3]])
@@ -154,12 +155,12 @@ class _Package:
     def _mesh(self, mesh: Element) -> Part:
         """Return the points and triangles of a mesh."""
         points = [
-            [float(e.get(k, "nan")) for k in "xyz"] for e in mesh.iter() if _tag(e) == "vertex"
+            [float(e.get(k, "nan")) for k in "xyz"] for e in mesh.iter() if tag_of(e) == "vertex"
         ]
         corners = [
             [int(e.get(k, "-1")) for k in ("v1", "v2", "v3")]
             for e in mesh.iter()
-            if _tag(e) == "triangle"
+            if tag_of(e) == "triangle"
         ]
         return (
             np.array(points, dtype=np.float64).reshape(-1, 3),
@@ -175,8 +176,3 @@ class _Package:
         if len(numbers) != 12 or not np.isfinite(numbers).all():
             raise damaged(self.path, f"the transform is {text[:60]!r}", expected=_EXPECTED)
         return np.array(numbers).reshape(4, 3)
-
-
-def _tag(element: Element) -> str:
-    """Return the name of an element without its namespace."""
-    return element.tag.rpartition("}")[2] if isinstance(element.tag, str) else ""

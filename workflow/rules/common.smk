@@ -24,6 +24,7 @@ from tusqh.compiled import compile_functions, is_compiled, write_bytecode
 from tusqh.errors import TusqhError
 from tusqh.files import RESULT_FILES
 from tusqh.geometry.packaged import PACKAGE
+from tusqh.readers.beside import files_beside
 from tusqh.readers.formats import FORMATS, dimension_of, find_format
 from provenance.claims import load_claims
 from provenance.code import code_fingerprints, list_code
@@ -217,9 +218,15 @@ def cells_of_study(wildcards):
 
 
 def geometry_of(wildcards):
-    """Return the geometry file of a model, none where it is part of an installed package."""
-    geometry = SETTINGS.models[wildcards.model].geometry
-    return [] if geometry.startswith(PACKAGE) else geometry
+    """Return the geometry file of a model with the files beside it; none in an installed package."""
+    return with_files_beside([SETTINGS.models[wildcards.model].geometry])
+
+
+def with_files_beside(geometries):
+    """Return geometry files, but those of packages, and the files that are read with them."""
+    own = [file for file in geometries if not file.startswith(PACKAGE)]
+    beside = [os.fspath(other) for file in own for other in files_beside(Path(file))]
+    return list(dict.fromkeys([*own, *beside]))
 
 
 def all_geometries():
@@ -245,8 +252,8 @@ def block_of_model(wildcards):
 
 
 def sources_of_materials(wildcards):
-    """Return the geometry files of a model of several materials, but those of packages."""
-    return [f for f in ASSEMBLIES[wildcards.model].files if not f.startswith(PACKAGE)]
+    """Return the geometry files of a model of several materials with the files beside them."""
+    return with_files_beside(ASSEMBLIES[wildcards.model].files)
 
 
 def first_geometry_of(wildcards):
