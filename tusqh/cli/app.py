@@ -17,6 +17,7 @@ from tusqh.cli.inspect import inspect
 from tusqh.cli.interruption import catch_signals, to_exit_code
 from tusqh.cli.mesh import mesh
 from tusqh.cli.options import Command
+from tusqh.cli.recommend import recommend
 from tusqh.cli.show import report_error
 from tusqh.cli.view import view
 from tusqh.errors import TusqhError
@@ -35,7 +36,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (mesh, inspect, view, check, add):
+for command in (mesh, recommend, inspect, view, check, add):
     app.command(cls=Command)(command)
 
 
