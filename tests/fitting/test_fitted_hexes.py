@@ -149,8 +149,8 @@ def test_the_distance_to_a_ball_falls_with_the_square_of_the_cell_size():
     assert radii[0] / radii[1] > 3
 
 
-def test_the_number_of_threads_changes_nothing():
-    mesh, target = random_case(3)
+def fit_with_threads(mesh, target):
+    """Return the points and distances of a fit with one thread and with all."""
     before, found = numba.get_num_threads(), []
     try:
         for n in (1, before):
@@ -159,7 +159,29 @@ def test_the_number_of_threads_changes_nothing():
             found.append((fitted.mesh.points.tobytes(), fitted.distances.to_csv()))
     finally:
         numba.set_num_threads(before)
-    assert found[0] == found[1]
+    return found
+
+
+def test_the_number_of_threads_changes_nothing(monkeypatch):
+    monkeypatch.setattr("tusqh.fitting.moving._FEW", 0)  # Small meshes use one thread otherwise.
+    one, all_of_them = fit_with_threads(*random_case(3))
+    assert one == all_of_them
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("source", "cells"),
+    [
+        ("data_sources/solids/torus.stl", 32),
+        ("package:pymeshlab/tests/sample_meshes/bunny.obj", 48),
+    ],
+)
+def test_the_number_of_threads_changes_nothing_on_default_models(source, cells, repository):
+    path = source if source.startswith("package:") else repository / source
+    result = tusqh.mesh(path, cells=cells, placement="corner", threshold=0.5)
+    target = Target.of(result.geometry, result.fractions)
+    one, all_of_them = fit_with_threads(result.mesh, target)
+    assert one == all_of_them
 
 
 def test_the_sides_of_a_window_stay_plane():
