@@ -51,6 +51,11 @@ def box_to_frame(
         Lowest and highest corner, in model units; None stays None.
     frame
         The frame of the grid, not turned.
+
+    Returns
+    -------
+    box
+        The corners in the coordinates of the grid; None if there is no box.
     """
     if box is None or not frame.sides:
         return box

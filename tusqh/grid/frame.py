@@ -97,6 +97,11 @@ class Frame:
         lengths
             Edge lengths of a cell, in model units.
 
+        Returns
+        -------
+        frame, cell_size
+            The frame, and the edge length of a cube of the same volume.
+
         Examples
         --------
         >>> Frame.of_sides(None, (4.0, 1.0))
