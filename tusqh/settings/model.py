@@ -239,6 +239,10 @@ class Study(Section):
         unit="s",
         at_least=1,
     )
+    fit: bool = setting(
+        "Whether the slow studies of fitting run: distances over the cell, and creases of solids.",
+        default=False,
+    )
 
 
 @dataclass(frozen=True)

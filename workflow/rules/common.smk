@@ -321,7 +321,8 @@ def paper_targets():
     if not PAPER_MODELS <= set(MODELS):
         return []
     stability = expand("results/{model}/figures/stability.png", model=MODELS)
-    return ["results/page/results.md", *THEORY, *stability]
+    slow = ["results/tables/fit_convergence.csv", "results/tables/creases.csv"] if STUDY["fit"] else []
+    return ["results/page/results.md", *THEORY, *stability, *slow]
 
 
 def many_steps_here():

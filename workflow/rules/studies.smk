@@ -154,3 +154,26 @@ rule heat:
         cells_3d=[8, 12, 16, 24],
     script:
         "../scripts/heat.py"
+
+
+# Slow studies of fitting, with `study: {fit: true}`: how distances fall with the cell, and creases.
+rule fit_convergence:
+    output:
+        table=report("results/tables/fit_convergence.csv", "../report/fit_convergence.rst", category="Tables"),
+        orders=report("results/tables/fit_orders.csv", "../report/fit_convergence.rst", category="Tables"),
+        figure=report("results/figures/fit_convergence.png", "../report/fit_convergence.rst", category="Figures"),
+    params:
+        surfaces=["sphere", "torus", "box"],
+        cells=[12, 16, 24, 32],
+    script:
+        "../scripts/fit_convergence.py"
+
+
+rule creases:
+    output:
+        table=report("results/tables/creases.csv", "../report/creases.rst", category="Tables"),
+    params:
+        solids=["cube", "cylinder", "plate", "two_boxes", "bracket", "gear"],
+        rotations=20,
+    script:
+        "../scripts/creases.py"
