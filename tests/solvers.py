@@ -198,3 +198,125 @@ S
     block = (folder / "job.frd").read_text().partition(" -4  STRESS")[2].partition(" -3")[0]
     at_nodes = [float(line[13:25]) for line in block.splitlines() if line.startswith(" -1")]
     return means, max(at_nodes)
+
+
+#: A job of getfem, run by the Python of the system: its package has no wheel.
+_GETFEM = """
+import sys
+import numpy as np
+import getfem
+path, dim, hole, *outer = sys.argv[1:]
+mesh = getfem.Mesh("import", "gmsh", path)
+space = getfem.MeshFem(mesh, 1)
+space.set_classical_fem(1)
+model = getfem.Model("real")
+model.add_fem_variable("u", space)
+model.add_linear_term(getfem.MeshIm(mesh, 3), "Grad_u.Grad_Test_u")
+for value, numbers in ((1.0, [hole]), (0.0, outer)):
+    for number in numbers:
+        data = f"value{number}"
+        model.add_initialized_data(data, [value])
+        model.add_Dirichlet_condition_with_simplification("u", int(number), data)
+model.solve()
+print(getfem.asm_generic(getfem.MeshIm(mesh, 3), 0, "Grad_u.Grad_u", -1, model))
+"""
+
+
+def heat_by_getfem(path, dim):
+    """Return the heat flow from a file of Gmsh, by the numbers of its physical groups."""
+    python = "/usr/bin/python3"
+    found = subprocess.run([python, "-c", "import getfem"], capture_output=True)
+    if found.returncode:
+        require("getfem", "getfem is not installed (python3-getfem)")
+    numbers = numbers_of_groups(path)
+    given = [str(path), str(dim), *(numbers[name] for name in ("hole_1", *OUTER))]
+    command = [python, "-c", _GETFEM, *given]
+    environment = {"PATH": "/usr/bin:/bin", "OMP_NUM_THREADS": "1"}
+    done = subprocess.run(command, capture_output=True, text=True, env=environment)
+    assert done.returncode == 0, done.stderr
+    return float(done.stdout.split()[-1])
+
+
+def numbers_of_groups(path):
+    """Return the numbers of the physical groups in a file of Gmsh, by name."""
+    names = path.read_text(errors="replace").partition("$PhysicalNames")[2].partition("$End")[0]
+    return {name: number for number, name in re.findall(r'^\d+ (\d+) "(.*)"', names, re.MULTILINE)}
+
+
+_HEADER = "FoamFile {{ version 2.0; format ascii; class {kind}; object {name}; }}\n"
+_SCHEMES = """ddtSchemes { default steadyState; } gradSchemes { default Gauss linear; }
+divSchemes { default none; } laplacianSchemes { default Gauss linear corrected; }
+interpolationSchemes { default linear; } snGradSchemes { default corrected; }"""
+_SOLUTION = """solvers { T { solver PCG; preconditioner DIC; tolerance 1e-12; relTol 0; } }
+SIMPLE { nNonOrthogonalCorrectors 3; }"""
+_CONTROL = """application laplacianFoam; startFrom startTime; startTime 0;
+stopAt endTime; endTime 1; deltaT 1; writeControl timeStep; writeInterval 1;
+writeFormat ascii; writePrecision 12;"""
+
+
+def heat_by_openfoam(folder, mesh):
+    """Return the heat flow from a file of Gmsh by finite volumes, whose patches have its names."""
+    if shutil.which("laplacianFoam") is None:
+        require("laplacianFoam", "OpenFOAM is not installed")
+    files = {
+        ("system", "controlDict", "dictionary"): _CONTROL,
+        ("system", "fvSchemes", "dictionary"): _SCHEMES,
+        ("system", "fvSolution", "dictionary"): _SOLUTION,
+        ("constant", "transportProperties", "dictionary"): "DT 1;",
+    }
+    for (part, name, kind), text in files.items():
+        _write_foam(folder, part, name, kind, text)
+    environment = {"PATH": "/usr/bin:/bin", "WM_PROJECT_DIR": "/usr/share/openfoam"}
+    environment["FOAM_ETC"] = "/usr/share/openfoam/etc"
+
+    def call(*command):
+        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+        assert done.returncode == 0, (done.stdout + done.stderr)[-2000:]
+
+    call("gmshToFoam", str(mesh))
+    patches = '".*" { type zeroGradient; }\nhole_1 { type fixedValue; value uniform 1; }\n'
+    patches += "".join(f"{n} {{ type fixedValue; value uniform 0; }}\n" for n in OUTER)
+    text = f"dimensions [0 0 0 1 0 0 0]; internalField uniform 0;\nboundaryField {{ {patches} }}"
+    _write_foam(folder, "0", "T", "volScalarField", text)
+    call("laplacianFoam")
+    return _flow_of(folder)
+
+
+def _write_foam(folder, part, name, kind, text):
+    (folder / part).mkdir(exist_ok=True)
+    (folder / part / name).write_text(_HEADER.format(kind=kind, name=name) + text + "\n")
+
+
+def _numbers_of(path, pattern):
+    """Return the numbers in the lists of a file of OpenFOAM."""
+    body = path.read_text().partition("(\n")[2]
+    return [list(map(float, row.split())) for row in re.findall(pattern, body)]
+
+
+def _list_of(path):
+    """Return the first long list of numbers in a file of OpenFOAM."""
+    return np.array(re.search(r"\n\d+\s*\(([^()]*)\)", path.read_text())[1].split(), dtype=float)
+
+
+def _flow_of(folder):
+    """Return the flow through the hole: (1 - T of the cell) * area / distance along the normal."""
+    mesh = folder / "constant/polyMesh"
+    points = np.array(_numbers_of(mesh / "points", r"\(([^()]+)\)"))
+    faces = [np.array(row, dtype=int) for row in _numbers_of(mesh / "faces", r"\d+\(([^()]+)\)")]
+    owner, neighbour = (_list_of(mesh / name).astype(int) for name in ("owner", "neighbour"))
+    values = _list_of(folder / "1/T")
+    block = re.search(r"hole_1\s*\{(.*?)\}", (mesh / "boundary").read_text(), re.DOTALL)[1]
+    n, start = (int(re.search(rf"{key}\s+(\d+)", block)[1]) for key in ("nFaces", "startFace"))
+    corners = [[] for _ in values]
+    for k, face in enumerate(faces):
+        corners[owner[k]] += face.tolist()
+        if k < len(neighbour):
+            corners[neighbour[k]] += face.tolist()
+    flow = 0.0
+    for face, cell in zip(faces[start : start + n], owner[start : start + n], strict=True):
+        a, b, c, d = points[face]
+        area = np.cross(c - a, d - b) / 2
+        middle = points[np.unique(corners[cell])].mean(axis=0)
+        distance = abs((points[face].mean(axis=0) - middle) @ area) / np.linalg.norm(area)
+        flow += (1 - values[cell]) * np.linalg.norm(area) / distance
+    return flow

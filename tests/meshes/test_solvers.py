@@ -10,7 +10,9 @@ from plates import plate_outline, plate_surface
 from solvers import (
     PULL,
     heat_by_calculix,
+    heat_by_getfem,
     heat_by_mfem,
+    heat_by_openfoam,
     heat_by_skfem,
     pull_by_calculix,
     pull_by_mfem,
@@ -57,6 +59,21 @@ def test_heat_from_the_hole_is_the_same_in_all_programs(staircase, tmp_path):
     assert flows[0] == pytest.approx(flows[1], rel=1e-9)
     # The staircase's corners disturb the flow, and its hole is not round.
     assert abs(flows[0] / HEAT - 1) > 0.005
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_getfem_finds_the_same_heat(staircase, dim, tmp_path):
+    staircase.write(tmp_path / "a.msh", layer=THICKNESS if dim == 3 else None)
+    expected = heat_by_skfem(tmp_path / "a.msh", dim)
+    assert heat_by_getfem(tmp_path / "a.msh", dim) == pytest.approx(expected, rel=1e-6)
+
+
+def test_finite_volumes_of_openfoam_find_about_the_same_heat(tmp_path):
+    fine = tusqh.mesh(plate_outline(), cell_size=1.0, betti=(1, 1), name="plate")
+    fine.write(tmp_path / "a.msh", layer=THICKNESS)
+    expected = heat_by_skfem(tmp_path / "a.msh", 3)
+    found = heat_by_openfoam(tmp_path, tmp_path / "a.msh")
+    assert found == pytest.approx(expected, rel=0.02)
 
 
 @pytest.mark.parametrize("element", ["quad4", "quad8", "quad9"])
