@@ -122,8 +122,8 @@ def test_the_places_belong_to_the_rows_of_the_diagram():
     for seed in range(20):
         dim = 2 + seed % 2
         fractions = random_field(seed, dim, 7 - dim)
-        pairs = CellSets(fractions, NO_BRIDGES).topology.pairs
-        classes = list_classes(fractions, pairs)
+        topology = CellSets(fractions, NO_BRIDGES).topology
+        pairs, classes = topology.pairs, list_classes(fractions, topology)
         columns = ["dimension", "birth", "death", "persistence"]
         assert (classes[columns] == pairs[columns]).all(axis=None)
         values = np.clip(fractions.values, 0, 1)

@@ -15,9 +15,11 @@ import pandas as pd
 
 from tusqh.antialias.components import COMPONENT, HOLE, VOID
 from tusqh.grid import BackgroundGrid, BoolArray, FloatArray, IntArray, doubled
+from tusqh.local_topology.joints import find_joints
 from tusqh.sampling.doubled_grid import RESOLUTION, Multiples
 from tusqh.sampling.fractions import VolumeFractions
-from tusqh.topology.clamping import FULL, MARGIN, clamp_multiples
+from tusqh.topology.clamping import FULL, clamp_multiples
+from tusqh.topology.pairs import tabulate_dimension
 from tusqh.topology.topology import Topology
 
 #: Name of a class by its dimension.
@@ -26,15 +28,15 @@ CLASSES = (COMPONENT, HOLE, VOID)
 _KEYS = ["dimension", "birth", "death"]
 
 
-def list_classes(fractions: VolumeFractions, pairs: pd.DataFrame) -> pd.DataFrame:
+def list_classes(fractions: VolumeFractions, topology: Topology) -> pd.DataFrame:
     """Return the rows of the diagram with a place for the beginning and the end of each class.
 
     Parameters
     ----------
     fractions
         Volume fractions.
-    pairs
-        See `tusqh.topology.topology.Topology.pairs`.
+    topology
+        Their topology.
 
     Returns
     -------
@@ -54,14 +56,13 @@ def list_classes(fractions: VolumeFractions, pairs: pd.DataFrame) -> pd.DataFram
     >>> values[1::2, 1::2] = cells
     >>> grid = BackgroundGrid(shape=(5, 5), cell_size=1.0, origin=(0.0, 0.0))
     >>> fractions = VolumeFractions.from_values(grid, 4, values)
-    >>> found = list_classes(fractions, Topology(fractions.multiples).pairs)
+    >>> found = list_classes(fractions, Topology(fractions.multiples))
     >>> found.loc[1, "class"], found.loc[1, ["death", "x", "y"]].astype(float).tolist()
     ('hole', [0.0, 2.5, 2.5])
     """
-    refined = _pairs_of(fractions.multiples)
-    places = _align(pairs, refined)
-    found = pairs[["dimension", "birth", "death", "persistence"]].reset_index(drop=True)
+    found = topology.pairs[["dimension", "birth", "death", "persistence"]].copy()
     found.insert(0, "class", [CLASSES[d] for d in found["dimension"]])
+    places = _find_places(fractions.multiples, topology)
     for event, place in zip(("birth", "death"), places, strict=True):
         found[f"{event}_place"] = place
     begins = (found["dimension"] == 0) | (found["death_place"] < 0)
@@ -84,40 +85,77 @@ def points_of(places: IntArray, grid: BackgroundGrid) -> FloatArray:
     return grid.to_points(index / 2.0)
 
 
-def refine(multiples: Multiples) -> Multiples:
+def _find_places(multiples: Multiples, topology: Topology) -> tuple[IntArray, IntArray]:
+    """Return the places where classes begin and end; only those of ties are looked for again."""
+    pairs, dim = topology.pairs, multiples.ndim
+    births, deaths = (pairs[f"{event}_place"].to_numpy().copy() for event in ("birth", "death"))
+    dimension, inside = pairs["dimension"].to_numpy(), doubled.cells(dim)
+    is_full, is_endless = pairs["birth"].to_numpy() >= 1.0, pairs["death"].to_numpy() <= 0.0
+    deep = far = np.zeros([n // 2 for n in multiples.shape], dtype=np.int64)
+    if is_full.any():
+        deep = _squared_depth(multiples[inside] >= FULL, border=False)
+        oldest = np.flatnonzero(is_full & (dimension == 0))
+        births[oldest] = _find_innermost(deep, births[oldest])
+    apart = np.flatnonzero(is_endless & (dimension == 0))
+    if len(apart) > 1:
+        deaths[apart[1:]] = find_joints(multiples, births[apart])
+    if (is_endless & (dimension > 0)).any():
+        far = _squared_depth(multiples[inside] <= 0, border=True)
+        last = np.flatnonzero(is_endless & ~is_full & (dimension == dim - 1))
+        deaths[last] = _find_innermost(far, topology.innermost_places(births[last]))
+    for d in range(1, dim):
+        # The innermost cells of regions are known already, so these need no other order.
+        rows = np.flatnonzero((dimension == d) & (is_full | (is_endless & (d < dim - 1))))
+        if len(rows):
+            nodes = clamp_multiples(_refine(multiples, deep, far))
+            refined = _pairs_of(nodes, topology, d)
+            births[rows], deaths[rows] = _align(pairs.iloc[rows], refined)
+    return births, deaths
+
+
+def _find_innermost(deep: IntArray, places: IntArray) -> IntArray:
+    """Return the deepest full cells that are joined across faces to cells at places, as places."""
+    from scipy import ndimage
+
+    shape = tuple(2 * n + 1 for n in deep.shape)
+    at = tuple(i // 2 for i in np.unravel_index(places, shape))
+    pieces, n = ndimage.label(deep > 0)
+    best = np.array(ndimage.maximum_position(deep, pieces, np.arange(1, n + 1))).reshape(n, -1)
+    inner = 2 * best[pieces[at] - 1] + 1
+    return np.asarray(np.ravel_multi_index(tuple(inner.T), shape), dtype=np.int64)
+
+
+def _refine(multiples: Multiples, deep: IntArray, far: IntArray) -> Multiples:
     """Return levels in the order of the multiples, which tell equally empty or full cells apart.
 
-    Parameters
-    ----------
-    multiples
-        Fractions on the doubled grid as multiples of `RESOLUTION`, shape ``2 n + 1``, int32.
-
-    Returns
-    -------
-    levels
-        Shape ``2 n + 1``, int32; at least 1 for cells.  An edge or vertex that is empty or full
-        gets the lowest or highest level, which clamping moves to that of a cell around it.
+    Full cells come in descending order of `deep`, then all others, then empty ones in ascending
+    order of `far`, which may be 0 everywhere; then empty cells stay empty.  An edge or vertex that
+    is empty or full gets the lowest or highest level, which clamping moves to that of a cell
+    around it.
     """
-    inside = doubled.cells(multiples.ndim)
-    is_empty, is_full = multiples[inside] <= 0, multiples[inside] >= FULL
-    far = _rank(is_empty, _squared_depth(is_empty, border=True))
-    deep = _rank(is_full, _squared_depth(is_full, border=False))
+    inside, deep, far = doubled.cells(multiples.ndim), _rank(deep), _rank(far)
     n_far, n_deep = int(far.max(initial=0)), int(deep.max(initial=0))
-    between = np.unique(multiples[(multiples > 0) & (multiples < FULL)])
     room = FULL - n_far - n_deep - 1
-    rank = np.searchsorted(between, multiples)
-    if len(between) > room:  # Neighbouring levels are merged, which only makes ties.
-        rank = rank * room // len(between)
-    levels = np.where(multiples <= 0, 0, np.where(multiples >= FULL, FULL, n_far + 1 + rank))
+    is_level = np.zeros(FULL + 1, dtype=bool)
+    is_level[np.clip(multiples, 0, FULL)] = True
+    rank = np.cumsum(is_level[1:FULL]) - 1
+    n_levels = int(rank[-1]) + 1
+    if n_levels > room:  # Neighbouring levels are merged, which only makes ties.
+        rank = rank * room // n_levels
+    table = np.concatenate([[0], n_far + 1 + rank, [FULL]]).astype(np.int32)
+    levels = table[np.clip(multiples, 0, FULL)]
     cells = levels[inside]
-    cells[is_empty] = n_far + 1 - far[is_empty]
-    cells[is_full] = FULL - n_deep + deep[is_full]
+    cells[far > 0] = (n_far + 1 - far)[far > 0]
+    cells[deep > 0] = (FULL - n_deep + deep)[deep > 0]
     levels[inside] = cells
     return np.asarray(levels, dtype=np.int32)
 
 
 def _squared_depth(chosen: BoolArray, *, border: bool) -> IntArray:
-    """Return the squared distance to the cells that are not chosen, in cells."""
+    """Return the squared distance of chosen cells to the others, in cells; 0 for the others.
+
+    Cells outside the grid count as chosen or not (`border`).
+    """
     from scipy import ndimage
 
     padded = np.pad(chosen, 1, constant_values=border)
@@ -128,21 +166,22 @@ def _squared_depth(chosen: BoolArray, *, border: bool) -> IntArray:
     return np.asarray(np.rint(inner**2), dtype=np.int64)
 
 
-def _rank(chosen: BoolArray, values: IntArray) -> IntArray:
-    """Return the rank of the values of chosen cells, from 1."""
-    rank = np.zeros(values.shape, dtype=np.int64)
-    rank[chosen] = 1 + np.unique(values[chosen], return_inverse=True)[1]
-    return rank
+def _rank(values: IntArray) -> IntArray:
+    """Return the rank of positive values among the distinct ones, from 1; 0 stays."""
+    is_there = np.zeros(int(values.max(initial=0)) + 1, dtype=np.int64)
+    is_there[values] = 1
+    is_there[0] = 0
+    return np.asarray(np.cumsum(is_there)[values], dtype=np.int64)
 
 
-def _pairs_of(multiples: Multiples) -> pd.DataFrame:
+def _pairs_of(nodes: Multiples, topology: Topology, dimension: int) -> pd.DataFrame:
     """Return the pairs of the refined filtration with the fractions at which they begin and end."""
-    pairs = Topology(refine(multiples)).pairs
-    inner = (slice(MARGIN, -MARGIN),) * multiples.ndim
-    values = np.append(clamp_multiples(multiples)[inner].ravel(), 0)
+    pairs = tabulate_dimension(nodes, dimension)
+    values = topology.values_at_places()
     found = pairs[["dimension", "birth_place", "death_place"]].copy()
     for event in ("birth", "death"):
-        found[event] = values[found[f"{event}_place"].to_numpy()] * RESOLUTION
+        at = found[f"{event}_place"].to_numpy()
+        found[event] = np.where(at < 0, 0, values.ravel()[at]) * RESOLUTION
     found = found[found["birth"] > found["death"]]
     order = [*_KEYS, "death_place", "birth_place"]
     return found.sort_values(order, ignore_index=True)

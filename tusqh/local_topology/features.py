@@ -47,7 +47,7 @@ class Features(ListedClasses):
     def __init__(self, cell_sets: CellSets, base: float) -> None:
         self._cell_sets = cell_sets
         self.space = Workspace(cell_sets.at(base))
-        table = list_classes(cell_sets.fractions, cell_sets.topology.pairs)
+        table = list_classes(cell_sets.fractions, cell_sets.topology)
         is_there = (table["birth"] >= base) & (table["death"] < base)
         classes = table.assign(base=base, is_there=is_there)
         super().__init__(cell_sets.fractions.grid, classes, base)

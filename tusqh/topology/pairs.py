@@ -11,10 +11,10 @@ import pandas as pd
 
 from tusqh.grid import IntArray
 from tusqh.sampling.doubled_grid import RESOLUTION, Multiples
-from tusqh.topology.clamping import FULL, MARGIN
+from tusqh.topology.clamping import FULL, MARGIN, complement
 from tusqh.topology.euler_count import count_simplices
 from tusqh.topology.loops import pair_loops
-from tusqh.topology.union_find import Merges
+from tusqh.topology.union_find import Merges, merge_components
 
 
 def tabulate_pairs(nodes: Multiples, kept: Merges, empty: Merges) -> pd.DataFrame:
@@ -30,23 +30,52 @@ def tabulate_pairs(nodes: Multiples, kept: Merges, empty: Merges) -> pd.DataFram
     pairs
         See `tusqh.topology.topology.Topology.pairs`.
     """
-    is_enclosed = empty.death > 0  # A component that never merges in the complement is outside.
-    # A class exists from the multiple at which its void is cut off until it is filled.
-    enclosed = Merges(
-        birth=FULL + 1 - empty.death[is_enclosed],
-        death=FULL + 1 - empty.birth[is_enclosed],
-        birth_place=empty.death_place[is_enclosed],
-        death_place=empty.birth_place[is_enclosed],
-    )
-    tables = [_to_table(0, kept), _to_table(nodes.ndim - 1, enclosed)]
+    tables = [_to_table(0, kept), _to_table(nodes.ndim - 1, _enclosed(empty))]
     if nodes.ndim == 3:
         tables.insert(1, _to_table(1, pair_loops(nodes)))
-    pairs = pd.concat(tables, ignore_index=True)
-    for event in ("birth", "death"):
-        pairs[f"{event}_place"] = _without_margin(pairs[f"{event}_place"].to_numpy(), nodes.shape)
+    pairs = _on_grid(pd.concat(tables, ignore_index=True), nodes.shape)
     pairs.loc[pairs["essential"], "death_place"] = -1
     order = ["dimension", "persistence", "birth", "birth_place"]
     return pairs.sort_values(order, ascending=[True, False, False, True]).reset_index(drop=True)
+
+
+def tabulate_dimension(nodes: Multiples, dimension: int) -> pd.DataFrame:
+    """Return the persistence pairs of one dimension above 0, in no particular order.
+
+    Parameters
+    ----------
+    nodes
+        See `tusqh.topology.curves.tabulate_curves`.
+    dimension
+        1, or 2 in space.
+
+    Returns
+    -------
+    pairs
+        See `tusqh.topology.topology.Topology.pairs`.
+    """
+    if dimension == nodes.ndim - 1:
+        pairs = find_enclosed(nodes, merge_components(complement(nodes)))
+    else:
+        pairs = _on_grid(_to_table(dimension, pair_loops(nodes)), nodes.shape)
+    return pairs
+
+
+def find_enclosed(nodes: Multiples, empty: Merges) -> pd.DataFrame:
+    """Return the pairs of the highest dimension, all with a place where they would end.
+
+    Parameters
+    ----------
+    nodes, empty
+        See `tusqh.topology.curves.tabulate_curves`.
+
+    Returns
+    -------
+    pairs
+        See `tusqh.topology.topology.Topology.pairs`; a class that never ends has a cell of its
+        region as `death_place`.
+    """
+    return _on_grid(_to_table(nodes.ndim - 1, _enclosed(empty)), nodes.shape)
 
 
 def count_on_diagonal(nodes: Multiples, pairs: pd.DataFrame) -> pd.DataFrame:
@@ -78,6 +107,25 @@ def count_on_diagonal(nodes: Multiples, pairs: pd.DataFrame) -> pd.DataFrame:
         columns = {"dimension": dimension, "birth": at * RESOLUTION, "pairs": rest[dimension, at]}
         tables.append(pd.DataFrame(columns))
     return pd.concat(tables, ignore_index=True)
+
+
+def _enclosed(empty: Merges) -> Merges:
+    """Return the classes of the highest dimension, given how components of the complement merge."""
+    is_enclosed = empty.death > 0  # A component that never merges in the complement is outside.
+    # A class exists from the multiple at which its void is cut off until it is filled.
+    return Merges(
+        birth=FULL + 1 - empty.death[is_enclosed],
+        death=FULL + 1 - empty.birth[is_enclosed],
+        birth_place=empty.death_place[is_enclosed],
+        death_place=empty.birth_place[is_enclosed],
+    )
+
+
+def _on_grid(pairs: pd.DataFrame, shape: tuple[int, ...]) -> pd.DataFrame:
+    """Return pairs with flat places of the doubled grid, given those of all nodes."""
+    for event in ("birth", "death"):
+        pairs[f"{event}_place"] = _without_margin(pairs[f"{event}_place"].to_numpy(), shape)
+    return pairs
 
 
 def _to_table(dimension: int, merges: Merges) -> pd.DataFrame:

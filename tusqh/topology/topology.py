@@ -9,13 +9,13 @@ from typing import Self
 import numpy as np
 import pandas as pd
 
-from tusqh.grid import FloatArray
+from tusqh.grid import FloatArray, IntArray
 from tusqh.sampling.doubled_grid import RESOLUTION, Multiples
 from tusqh.topology.betti_numbers import BettiNumbers
-from tusqh.topology.clamping import clamp_at_level, clamp_multiples, complement
+from tusqh.topology.clamping import MARGIN, clamp_at_level, clamp_multiples, complement
 from tusqh.topology.curves import persistence_by_cell, tabulate_curves
 from tusqh.topology.one_level import count_at_level
-from tusqh.topology.pairs import count_on_diagonal, tabulate_pairs
+from tusqh.topology.pairs import count_on_diagonal, find_enclosed, tabulate_pairs
 from tusqh.topology.persistence import betti_at, require_agreement
 from tusqh.topology.union_find import Merges, merge_components
 
@@ -93,6 +93,22 @@ class Topology:
         or vertices that create and destroy the class (-1 if nothing does).
         """
         return tabulate_pairs(self._nodes, self._kept, self._empty)
+
+    def innermost_places(self, birth_places: IntArray) -> IntArray:
+        """Return a cell in each region of empty cells that is never filled, shape (r,).
+
+        Parameters
+        ----------
+        birth_places
+            Places where the classes of the highest dimension begin, see `pairs`, shape (r,).
+        """
+        pairs = find_enclosed(self._nodes, self._empty)
+        cell_of = dict(zip(*(pairs[f"{e}_place"].tolist() for e in ("birth", "death")), strict=True))
+        return np.array([cell_of[place] for place in birth_places.tolist()], dtype=np.int64)
+
+    def values_at_places(self) -> Multiples:
+        """Return the clamped multiples of the places of `pairs`, shape ``2 n + 1``."""
+        return self._nodes[(slice(MARGIN, -MARGIN),) * self._nodes.ndim]
 
     @cached_property
     def diagonal(self) -> pd.DataFrame:
