@@ -1,5 +1,7 @@
 """The page of several materials shows the facets of the mesh, and each material can be hidden."""
 
+import shlex
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -197,3 +199,42 @@ def test_colours_can_be_told_apart():
     colours = colours_of(names)
     assert len({*colours}) == len(names)
     assert colours[-2:] == [PALETTE[0], VOID_COLOUR]
+
+
+def test_an_offer_shows_its_cells_and_makes_the_command(opened, folder):
+    subject = read_materials_subject(folder)
+    prices = pd.read_csv(folder / "prices.csv", dtype={"material": str})
+    offers = opened.evaluate("explorer.wishes.offers.map((offer) => offer)")
+    facts = opened.evaluate("explorer.facts.classes")
+    assert len(offers) == len(prices) > 5
+    opened.page.click("#tab-features")
+    n_shown = 0
+    for k, (offer, price) in enumerate(zip(offers, prices.to_dict("records"), strict=True)):
+        about = facts[offer["pair"]]
+        assert (about["material"], about["row"], offer["do"]) == tuple(
+            price[key] for key in ("material", "row", "do")
+        )
+        assert (offer["why"] == "") == price["possible"]
+        button = opened.page.locator(f"#panel-features [data-wish='{k}']")
+        assert button.count() == price["possible"]
+        if not price["possible"] or n_shown > 3:
+            continue
+        n_shown += 1
+        button.click()
+        assert opened.evaluate(f"explorer.wishes.cells({k}).length") == price["cells"]
+        assert opened.evaluate("explorer.cellBoxes.object.children.length") == 1
+        note = opened.text("#note")
+        assert f"{price['cells']} cell" in note
+        assert price["volumes"] in note
+        words = shlex.split(opened.text("#command"))
+        at = words.index(f"--{price['do']}")
+        assert words[at + 1] == f"{price['material']}:{price['row']}"
+        features = [{key: price[key] for key in ("material", "row", "do")}]
+        local = tusqh.mesh(subject.fractions, materials="parts", features=features).local
+        changed = np.flatnonzero(local.labels != local.base)
+        shown = opened.evaluate(f"Array.from(explorer.wishes.cells({k}))")
+        assert set(changed.tolist()) <= set(shown)
+        button.click()
+        assert not opened.page.is_visible("#note")
+        assert f"--{price['do']}" not in opened.text("#command")
+    assert n_shown > 2

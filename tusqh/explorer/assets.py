@@ -14,12 +14,12 @@ SCRIPTS = (
 #: Those of the page about several materials, which has no threshold to move.
 SCRIPTS_OF_MATERIALS = (
     *("colours", "payload", "faces", "shaders", "layers", "stage", "axes"),
-    *("tables", "common", "materials"),
+    *("changes", "tables", "common", "features", "materials"),
 )
 
 #: The folder of the page's own files; a change in any of them causes all pages to be rebuilt.
 PAGE = "page"
-TEMPLATE, STYLE = f"{PAGE}/template.html", f"{PAGE}/explorer.css"
+FRAME, TEMPLATE, STYLE = f"{PAGE}/frame.html", f"{PAGE}/template.html", f"{PAGE}/explorer.css"
 TEMPLATE_OF_MATERIALS = f"{PAGE}/materials.html"
 THREE, THREE_LICENCE = "vendor/three.iife.min.js", "vendor/three.LICENSE"
 
@@ -30,11 +30,11 @@ def read_asset(name: str) -> str:
     Parameters
     ----------
     name
-        Path relative to this package, such as ``page/template.html``.
+        Path relative to this package, such as ``page/frame.html``.
 
     Examples
     --------
-    >>> read_asset(TEMPLATE).splitlines()[0]
+    >>> read_asset(FRAME).splitlines()[0]
     '<!doctype html>'
     """
     return resources.files("tusqh.explorer").joinpath(name).read_text(encoding="utf-8")

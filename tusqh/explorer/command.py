@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import shlex
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
+from tusqh.grid import BackgroundGrid
 from tusqh.settings.arguments import to_words
-from tusqh.settings.grid import Grid
+from tusqh.settings.grid import Grid, Window
 from tusqh.settings.model import Settings
+from tusqh.settings.sampling import Sampling
 
 
 @dataclass(frozen=True)
@@ -28,6 +32,40 @@ class Command:
     after: str
     goal: str = ""
     note: str = ""
+
+
+def materials_command(
+    stored: Mapping[str, Any], grid: BackgroundGrid, geometry: str, *, name: str
+) -> Command:
+    """Return the `tusqh mesh` command of a model of several materials.
+
+    Parameters
+    ----------
+    stored
+        Its certificate.
+    grid
+        The background grid.
+    geometry
+        The first geometry file, as named in the configuration.
+    name
+        The model, which names the output file.
+    """
+    known = stored.get("settings", {})
+    settings = Settings(
+        grid=Grid(cells=grid.shape, placement="corner"),
+        window=Window(lower=grid.origin, upper=grid.upper),
+        sampling=Sampling.from_dict(known.get("sampling", {})),
+    )
+    words = ["tusqh", "mesh", geometry, "--materials", *to_words(settings, without=("goal",))]
+    if known.get("rest"):
+        words += ["--rest", known["rest"]]
+    base = stored.get("base", stored["thresholds"])
+    wanted = [f"--material={k}={t:.6g}" for k, t in base.items() if t != 1.0]
+    done = [f"--{w['do']}={w['material']}:{w['row']}" for w in stored.get("features", [])]
+    note = "names and other files of the materials, and their targets, are not known here"
+    return Command(
+        shlex.join(words), shlex.join(["-o", f"{name}.vtu"]), shlex.join(wanted + done), note
+    )
 
 
 def mesh_command(geometry: str, settings: Settings, *, name: str) -> Command:

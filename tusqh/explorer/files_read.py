@@ -11,4 +11,4 @@ FILES_READ = (
 
 #: The same for a model of several materials.
 TABLES_OF_MATERIALS = ("materials", "pairs", "elements", "verdict")
-FILES_OF_MATERIALS = ("mesh", "fractions", *TABLES_OF_MATERIALS)
+FILES_OF_MATERIALS = ("mesh", "fractions", "certificate", *TABLES_OF_MATERIALS)

@@ -1,12 +1,15 @@
 """Make the explorer page of a mesh of several materials.
 
 It shows the mesh, coloured by material; each material can be hidden.  Each has a threshold of its
-own against the others, so that no single threshold can be moved.
+own against the others, so that no single threshold can be moved.  Classes of each material can be
+opened, cut and filled.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +17,15 @@ import numpy as np
 import pandas as pd
 
 from tusqh.contacts.fractions_file import load_materials
-from tusqh.errors import ConfigError
+from tusqh.contacts.material_fractions import MaterialFractions
 from tusqh.explorer.arrays import CUT_ELEMENTS, mesh_arrays
 from tusqh.explorer.assets import SCRIPTS_OF_MATERIALS, TEMPLATE_OF_MATERIALS, read_script
+from tusqh.explorer.changes import offer_material_wishes
+from tusqh.explorer.command import materials_command
 from tusqh.explorer.encode import pack
 from tusqh.explorer.files_read import FILES_OF_MATERIALS, TABLES_OF_MATERIALS
 from tusqh.explorer.page import assemble, to_rows
+from tusqh.explorer.subject import MeshSubject, find_files
 from tusqh.figures.material_colours import colours_of
 from tusqh.figures.units import length_scale
 from tusqh.files import path_of
@@ -28,38 +34,34 @@ from tusqh.geometry.upright import Axis
 from tusqh.grid import BackgroundGrid
 from tusqh.meshes.interfaces import find_junction_edges
 from tusqh.meshes.regions import Regions
-from tusqh.meshes.volume_mesh import VolumeMesh
 from tusqh.pipeline.materials.certificate import read_materials
 from tusqh.quality.verdict import overall
 
 
-@dataclass(frozen=True)
-class MaterialsSubject:
-    """A model of several materials with its tables.
+@dataclass(frozen=True, kw_only=True)
+class MaterialsSubject(MeshSubject):
+    """A model of several materials, with the tables named in `TABLES_OF_MATERIALS`.
 
     Parameters
     ----------
-    name
-        Name of the model; any text.
-    unit
-        Unit of length of its geometry.
-    up
-        Axis that points up in the first view of a solid.
-    grid
-        The background grid.
-    mesh, regions
-        The mesh, and the material of every element.
-    tables
-        The tables named in `TABLES_OF_MATERIALS`, by name.
+    name, unit, up, command, mesh, tables
+        See `tusqh.explorer.subject.MeshSubject`.
+    fractions
+        Fractions of all materials.
+    base
+        Threshold of every material at the base, by name.
+    regions
+        The material of every element.
     """
 
-    name: str
-    unit: str
-    up: Axis
-    grid: BackgroundGrid
-    mesh: VolumeMesh
+    fractions: MaterialFractions
+    base: Mapping[str, float]
     regions: Regions
-    tables: dict[str, pd.DataFrame]
+
+    @property
+    def grid(self) -> BackgroundGrid:
+        """The background grid."""
+        return self.fractions.grid
 
 
 def has_materials(folder: Path) -> bool:
@@ -73,13 +75,17 @@ def has_materials(folder: Path) -> bool:
     return path_of("materials", folder).is_file()
 
 
-def read_materials_subject(folder: Path, *, up: Axis = "z") -> MaterialsSubject:
+def read_materials_subject(
+    folder: Path, *, geometry: str | None = None, up: Axis = "z"
+) -> MaterialsSubject:
     """Return the subject in a result folder, which has the model's name.
 
     Parameters
     ----------
     folder
         The folder.
+    geometry
+        The first geometry file, for the command; None: the name that the folder records.
     up
         Axis that points up.
 
@@ -88,24 +94,21 @@ def read_materials_subject(folder: Path, *, up: Axis = "z") -> MaterialsSubject:
     ConfigError
         Files are missing from the folder.
     """
-    paths = {name: path_of(name, folder) for name in FILES_OF_MATERIALS}
-    missing = [path.name for path in paths.values() if not path.is_file()]
-    if missing:
-        raise ConfigError(
-            f"{', '.join(missing)} missing",
-            where=str(folder),
-            expected="the results of a model of several materials, with "
-            + ", ".join(p.name for p in paths.values()),
-            remedy="make it with the workflow, or with tusqh mesh --materials --results FOLDER",
-        )
+    paths = find_files(
+        folder, FILES_OF_MATERIALS, what="a model of several materials", option="--materials"
+    )
     name = folder.resolve().name
     mesh, regions = read_materials(paths["mesh"])
     names = dict.fromkeys(("material", "first", "second"), str)
+    stored: dict[str, Any] = json.loads(paths["certificate"].read_text(encoding="utf-8"))
+    fractions = load_materials(paths["fractions"])
     return MaterialsSubject(
         name=name,
         unit=mesh.unit or ASSUMED,
         up=up,
-        grid=load_materials(paths["fractions"]).grid,
+        command=materials_command(stored, fractions.grid, geometry or f"{name}.stl", name=name),
+        fractions=fractions,
+        base=stored.get("base", stored["thresholds"]),
         mesh=replace(mesh, name=name),
         regions=regions,
         tables={table: pd.read_csv(paths[table], dtype=names) for table in TABLES_OF_MATERIALS},
@@ -122,12 +125,13 @@ def make_materials_page(subject: MaterialsSubject) -> str:
     """
     regions = subject.regions
     arrays = mesh_arrays(subject.mesh, subject.grid, regions.material)
+    cells, facts = offer_material_wishes(subject.fractions, subject.base)
     script = read_script(SCRIPTS_OF_MATERIALS)
     return assemble(
         TEMPLATE_OF_MATERIALS,
         subject.name,
-        describe_materials(subject),
-        {"mesh": pack(arrays | _curves(subject))},
+        describe_materials(subject) | facts,
+        {"mesh": pack(arrays | _curves(subject)), "wishes": pack(cells)},
         script=script,
     )
 
@@ -159,6 +163,7 @@ def describe_materials(subject: MaterialsSubject) -> dict[str, Any]:
         "up": subject.up,
         "grid": grid.to_dict(),
         "verdict": overall(tables["verdict"]),
+        "command": asdict(subject.command),
         "can_cut": mesh.n_cells <= CUT_ELEMENTS,
         "materials": [
             {"name": name, "colour": colour, "count": count}

@@ -24,7 +24,7 @@ from tusqh.explorer.arrays import (
     pair_arrays,
     plateau_arrays,
 )
-from tusqh.explorer.assets import STYLE, TEMPLATE, read_asset, read_script, read_three
+from tusqh.explorer.assets import FRAME, STYLE, TEMPLATE, read_asset, read_script, read_three
 from tusqh.explorer.changes import changed_cells, offer_wishes
 from tusqh.explorer.distances import FARTHEST, boundary_distances
 from tusqh.explorer.encode import Packed, pack
@@ -91,7 +91,8 @@ def assemble(
         for key, packed in blocks.items()
     )
     return fill(
-        read_asset(template),
+        read_asset(FRAME),
+        body=read_asset(template),
         title=html.escape(f"{name} - tusqh explorer"),
         policy=_security_policy(three, script),
         style=read_asset(STYLE),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,9 +32,9 @@ if TYPE_CHECKING:
     from tusqh.pipeline.result import Result
 
 
-@dataclass(frozen=True)
-class Subject:
-    """A model with its mesh and every table about it.
+@dataclass(frozen=True, kw_only=True)
+class MeshSubject:
+    """What the pages about one material and about several show.
 
     Parameters
     ----------
@@ -46,6 +46,28 @@ class Subject:
         Axis that points up in the first view of a solid.
     command
         The command that makes its mesh.
+    mesh
+        The mesh.
+    tables
+        Tables that the page shows, by name.
+    """
+
+    name: str
+    unit: str
+    up: Axis
+    command: Command
+    mesh: VolumeMesh
+    tables: dict[str, pd.DataFrame]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Subject(MeshSubject):
+    """A model of one material, with the tables named in `TABLES_SHOWN`.
+
+    Parameters
+    ----------
+    name, unit, up, command, mesh, tables
+        See `MeshSubject`.
     geometry
         The outline or soup, without repair.
     fractions
@@ -58,26 +80,16 @@ class Subject:
         Persistence pairs, see `tusqh.topology.persistence.locate_pairs`.
     selection
         The chosen threshold.
-    mesh
-        The mesh at that threshold.
-    tables
-        The tables named in `TABLES_SHOWN`, by name.
     is_fitted
         Whether the boundary of the mesh was moved onto the geometry.
     """
 
-    name: str
-    unit: str
-    up: Axis
-    command: Command
     geometry: Geometry
     fractions: VolumeFractions
     curves: pd.DataFrame
     topologies: pd.DataFrame
     diagram: pd.DataFrame
     selection: Selection
-    mesh: VolumeMesh
-    tables: dict[str, pd.DataFrame]
     is_fitted: bool = False
 
 
@@ -145,15 +157,7 @@ def read_subject(
     ConfigError
         Files are missing from the folder.
     """
-    paths = {name: path_of(name, folder) for name in FILES_READ}
-    missing = [path.name for path in paths.values() if not path.is_file()]
-    if missing:
-        raise ConfigError(
-            f"{', '.join(missing)} missing",
-            where=str(folder),
-            expected="the results of a model, with " + ", ".join(p.name for p in paths.values()),
-            remedy="make it with the workflow, or with tusqh mesh GEOMETRY --results FOLDER",
-        )
+    paths = find_files(folder, FILES_READ, what="a model", option="GEOMETRY")
     if fitted is None:
         fitted = path_of("fitted", folder).is_file()
     name = folder.resolve().name
@@ -182,6 +186,35 @@ def read_subject(
         tables={table: pd.read_csv(paths[table]) for table in TABLES_SHOWN},
         is_fitted=fitted,
     )
+
+
+def find_files(folder: Path, names: Sequence[str], *, what: str, option: str) -> dict[str, Path]:
+    """Return the files of a result folder that a page needs, by name.
+
+    Parameters
+    ----------
+    folder
+        The folder.
+    names
+        Names of the files, see `tusqh.files`.
+    what, option
+        What the results are of, and what makes them in `tusqh mesh`, for the message.
+
+    Raises
+    ------
+    ConfigError
+        Files are missing from the folder.
+    """
+    paths = {name: path_of(name, folder) for name in names}
+    missing = [path.name for path in paths.values() if not path.is_file()]
+    if missing:
+        raise ConfigError(
+            f"{', '.join(missing)} missing",
+            where=str(folder),
+            expected=f"the results of {what}, with " + ", ".join(p.name for p in paths.values()),
+            remedy=f"make it with the workflow, or with tusqh mesh {option} --results FOLDER",
+        )
+    return paths
 
 
 def _known(chosen: Mapping[str, Any], fractions: VolumeFractions) -> Settings:

@@ -112,9 +112,21 @@ def to_cells(features: Features, done: Done, wishes: Sequence[Wish]) -> LocalCel
         The cells after all wishes.
     wishes
         The wishes.
+
+    Raises
+    ------
+    TopologyError
+        The cells have other Betti numbers than the changes add up to, which is a fault of Tusqh.
     """
     space, base = features.space, features.space.start
     cells = space.cell_set(done.kept)
+    if cells.predicted != done.betti:
+        raise TopologyError(
+            f"Betti numbers {cells.predicted} after changes of features",
+            where=f"the cells of {features.where}",
+            expected=f"the Betti numbers {done.betti} that the changes add up to",
+            remedy="this is a fault of tusqh: please report it with fractions.npz",
+        )
     return LocalCells(
         threshold=base.threshold,
         kept=cells.kept,

@@ -11,13 +11,15 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import replace
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from tusqh.antialias.cells import CellSets, label_with_bridges
-from tusqh.antialias.components import label_holes, label_kept
+from tusqh.antialias.components import label_kept
 from tusqh.contacts.one_material_contacts import find_contacts
-from tusqh.grid import BoolArray, IntArray
+from tusqh.grid import BoolArray, FloatArray, IntArray
 from tusqh.local_topology.changeable import Impossible
 from tusqh.local_topology.classes import list_classes
 from tusqh.local_topology.done import Done, Row
@@ -25,12 +27,26 @@ from tusqh.local_topology.listed_classes import ListedClasses
 from tusqh.local_topology.one_change import Accepts, Event, change_class, undo_simple
 from tusqh.local_topology.separate import separate
 from tusqh.local_topology.wishes import CUT, FILL, OPEN, Wish
-from tusqh.local_topology.workspace import Workspace
+from tusqh.local_topology.workspace import NO_NAMES, Split, Workspace
+from tusqh.topology.betti_numbers import BettiNumbers
 
 
-def _any_cells(kept: BoolArray) -> bool:
-    """Return True, because the place says which class is meant."""
-    return True
+class _Components(NamedTuple):
+    """The components of kept cells.
+
+    Parameters
+    ----------
+    kept
+        The cells.
+    names
+        Component of every cell from 1, 0 for empty cells, flat.
+    oldest
+        Largest fraction among the cells of every component; 0 for the empty cells.
+    """
+
+    kept: BoolArray
+    names: IntArray
+    oldest: FloatArray
 
 
 class Features(ListedClasses):
@@ -53,6 +69,7 @@ class Features(ListedClasses):
         super().__init__(cell_sets.fractions.grid, classes, base)
         columns = (self.classes[name].tolist() for name in Row._fields)
         self._rows = [Row(*values) for values in zip(*columns, strict=True)]
+        self._last: _Components | None = None
 
     def on(self, kept: BoolArray, votes: BoolArray) -> Features:
         """Return the same classes for other cells, whose contacts have other votes.
@@ -67,6 +84,7 @@ class Features(ListedClasses):
         other, start = copy(self), self.space.start
         contacts = find_contacts(kept, votes)
         other.space = Workspace(replace(start, kept=kept, contacts=contacts), votes)
+        other._last = None
         return other
 
     def start(self) -> Done:
@@ -113,11 +131,16 @@ class Features(ListedClasses):
             return self._around(done, wish, place, event, there)
         inside, outside = self._sides(wish.row, done.kept)
         cell = int(self.space.cells_at(about.birth_place)[0])
+        known = self._components(done.kept).names
 
-        def accepts(kept: BoolArray) -> bool:
+        def accepts(kept: BoolArray, split: Split) -> bool:
             """Return whether the component is separated from all older ones."""
-            after = self._components(kept)
-            return bool(kept[cell]) and not (outside & (after == after[cell])).any()
+            own = known == known[cell]
+            if split.names[0] == known[cell]:
+                is_side = np.zeros(len(kept), dtype=bool)
+                is_side[split.cells] = True
+                own &= is_side == is_side[cell]
+            return bool(kept[cell]) and not (outside & kept & own).any()
 
         try:
             return self._around(done, wish, place, event, there, accepts)
@@ -142,13 +165,13 @@ class Features(ListedClasses):
         if kept is None:
             raise Impossible("no cells between it and the others can be left out")
         cell = int(self.space.cells_at(self._rows[wish.row].birth_place)[0])
-        kept = undo_simple(self.space, done.kept, kept, cell)
+        kept = undo_simple(self.space, kept, np.flatnonzero(kept != done.kept), cell)
         betti = self.space.cell_set(kept).predicted
         there = done.there | {wish.row}
         n_holes = done.betti.betti_1 - betti.betti_1
         if n_holes > 0:
             there -= self._nearest_holes(done, np.flatnonzero(kept != done.kept), n_holes)
-        return self._after(done, wish, kept, there)
+        return self._after(done, wish, kept, there, betti)
 
     def _nearest_holes(self, done: Done, cells: IntArray, n: int) -> frozenset[int]:
         """Return the holes that begin nearest to cells, which are the loops through its joints."""
@@ -168,16 +191,16 @@ class Features(ListedClasses):
         place = about.death_place if adds else about.birth_place
         if place < 0:
             raise Impossible("it is the oldest component, to which others are joined")
-        accepts: Accepts = _any_cells
+        accepts: Accepts | None = None
         if about.dimension == 0:
-            before = self._components(done.kept)
-            cell = int(self.space.cells_at(about.birth_place)[0])
+            components = self._components(done.kept)
+            own = components.names[self.space.cells_at(about.birth_place)[0]]
 
-            def accepts(kept: BoolArray) -> bool:
+            def accepts(kept: BoolArray, split: Split) -> bool:
                 """Return whether the component is joined to an older one."""
-                after = self._components(kept)
-                others = (after == after[cell]) & (before > 0) & (before != before[cell])
-                return bool((self.space.fraction[others] >= about.birth).any())
+                first, second = split.names
+                other = second if first == own else first
+                return own in split.names and bool(components.oldest[other] >= about.birth)
 
         event = Event(about.dimension, begins=False, adds=adds)
         return self._around(done, wish, place, event, done.there - {wish.row}, accepts)
@@ -189,7 +212,7 @@ class Features(ListedClasses):
         place: int,
         event: Event,
         there: frozenset[int],
-        accepts: Accepts = _any_cells,
+        accepts: Accepts | None = None,
     ) -> Done:
         """Return the cells after one event at a place."""
         kept = change_class(
@@ -197,60 +220,77 @@ class Features(ListedClasses):
             done.kept,
             place,
             event,
-            before=done.betti,
             is_fixed=self._fixed(done),
             accepts=accepts,
+            known=self._components(done.kept).names if accepts else NO_NAMES,
         )
         if kept is None:
             how = "adding" if event.adds else "leaving out"
             raise Impossible(f"{how} cells around it changes other features too")
-        return self._after(done, wish, kept, there)
+        betti = BettiNumbers(*np.add(done.betti, event.effect).tolist())
+        return self._after(done, wish, kept, there, betti)
 
     def _remove_component(self, done: Done, wish: Wish) -> Done:
         """Return the cells without a component and all that is in it."""
-        components = self._components(done.kept)
-        cell = int(self.space.cells_at(self._rows[wish.row].birth_place)[0])
-        is_removed = (components == components[cell]) & (components > 0)
-        if not is_removed.any():
+        cell = self.space.cells_at(self._rows[wish.row].birth_place)[:1]
+        if not done.kept[cell].all():
             raise Impossible("the base keeps no cell of it")
-        self._require_free(is_removed)
-        kept = done.kept & ~is_removed
+        removed, _ = self.space.flood(done.kept, cell, follows_kept=True)
+        self._require_free(removed)
+        kept = done.kept.copy()
+        kept[removed] = False
         if not kept.any():
             raise Impossible("it is the only component, and no cell would be left")
-        gone = {row for row in done.there if self._lies_in(row, "birth_place", is_removed)}
-        return self._after(done, wish, kept, done.there - gone - {wish.row})
+        betti = np.subtract(done.betti, self.space.betti_of(removed, are_kept=True))
+        there = done.there - self._lie_in(done.there, "birth", removed) - {wish.row}
+        return self._after(done, wish, kept, there, self._unless_bridged(kept, betti))
 
     def _fill_region(self, done: Done, wish: Wish) -> Done:
         """Return the cells with all empty cells of a hole in the plane, or of a void, added."""
-        cells = self.space.cell_set(done.kept)
-        regions = np.pad(label_holes(cells.labels, cells.contacts), 1).ravel()
-        cell = int(self.space.cells_at(self._rows[wish.row].death_place)[0])
-        if regions[cell] == 0:
+        cell = self.space.cells_at(self._rows[wish.row].death_place)[:1]
+        filled, is_outside = self.space.flood(done.kept, cell, follows_kept=False)
+        if is_outside or done.kept[cell].any():
             raise Impossible("another change has filled or opened it")
-        is_filled = regions == regions[cell]
-        self._require_free(is_filled)
-        kept = done.kept | is_filled
-        gone = {row for row in done.there if self._lies_in(row, "death_place", is_filled)}
-        there = done.there - gone - self._joined(done, kept) - {wish.row}
-        return self._after(done, wish, kept, there)
+        self._require_free(filled)
+        kept = done.kept.copy()
+        kept[filled] = True
+        # By duality, the region takes one class along for each class of its own.
+        region = self.space.betti_of(filled, are_kept=False)
+        dual = (region[2], region[1], 1) if self.grid.dim == 3 else (region[1], 1, 0)
+        betti = np.subtract(done.betti, dual)
+        there = done.there - self._lie_in(done.there, "death", filled) - {wish.row}
+        there -= self._joined(done, kept, filled)
+        return self._after(done, wish, kept, there, self._unless_bridged(kept, betti))
 
-    def _joined(self, done: Done, kept: BoolArray) -> set[int]:
-        """Return the rows of components that are now joined to an older one."""
-        components, oldest, found = self._components(kept), set(), set()
+    def _unless_bridged(self, kept: BoolArray, betti: IntArray) -> BettiNumbers:
+        """Return Betti numbers, counted again if there are bridges, which cells do not show."""
+        if self.space.start.bridges:
+            return self.space.cell_set(kept).predicted
+        return BettiNumbers(*betti.tolist())
+
+    def _joined(self, done: Done, kept: BoolArray, filled: IntArray) -> frozenset[int]:
+        """Return the rows of components that filled cells join to an older one."""
+        names = self._components(done.kept).names
+        reached, _ = self.space.flood(kept, filled, follows_kept=True, known=names)
+        joined = set(names[reached].tolist()) - {0}
         rows = [row for row in done.there if self._rows[row].dimension == 0]
-        for row in sorted(rows, key=lambda r: (-self._rows[r].birth, r)):
-            label = components[self.space.cells_at(self._rows[row].birth_place)[0]]
-            if label in oldest:
-                found.add(row)
-            oldest.add(label)
-        return found
+        cells = {row: self.space.cells_at(self._rows[row].birth_place)[0] for row in rows}
+        rows = [row for row in rows if names[cells[row]] in joined]
+        return frozenset(sorted(rows, key=lambda r: (-self._rows[r].birth, r))[1:])
 
-    def _after(self, done: Done, wish: Wish, kept: BoolArray, there: frozenset[int]) -> Done:
+    def _after(
+        self,
+        done: Done,
+        wish: Wish,
+        kept: BoolArray,
+        there: frozenset[int],
+        betti: BettiNumbers,
+    ) -> Done:
         """Return the cells after a wish, if their Betti numbers are as the classes that are there.
 
         No later wish changes the cells that this one changed.
         """
-        betti, changed = self.space.cell_set(kept).predicted, np.flatnonzero(kept != done.kept)
+        changed = np.flatnonzero(kept != done.kept)
         expected = np.array(done.betti)
         for rows, sign in ((there - done.there, 1), (done.there - there, -1)):
             for row in rows:
@@ -266,21 +306,44 @@ class Features(ListedClasses):
             is_fixed[changed] = True
         return is_fixed
 
-    def _lies_in(self, row: int, event: str, chosen: BoolArray) -> bool:
-        """Return whether a class begins or ends among chosen cells."""
-        about = self._rows[row]
+    def _lie_in(self, rows: frozenset[int], event: str, chosen: IntArray) -> frozenset[int]:
+        """Return the rows of classes that begin or end among chosen cells."""
+        is_chosen = np.zeros(len(self.space.is_fixed), dtype=bool)
+        is_chosen[chosen] = True
+        listed = np.array(sorted(rows), dtype=np.int64)
+        is_in = is_chosen[self._cells_at[event][listed]].any(axis=1)
         # A class that a wish made lies where it begins and ends.
-        places = (
-            {getattr(about, event)} if about.is_there else {about.birth_place, about.death_place}
-        )
-        return any(chosen[self.space.cells_at(place)].any() for place in places - {-1})
+        is_made = ~self.classes["is_there"].to_numpy()[listed]
+        for other in self._cells_at.values():
+            is_in |= is_made & is_chosen[other[listed]].any(axis=1)
+        return frozenset(listed[is_in].tolist())
 
-    def _components(self, kept: BoolArray) -> IntArray:
-        """Return the component of every kept cell of the flat grid, from 1; 0 elsewhere."""
-        cells = self.space.cell_set(kept)
-        return np.pad(label_with_bridges(cells.labels, cells.contacts, cells.bridges), 1).ravel()
+    @cached_property
+    def _cells_at(self) -> dict[str, IntArray]:
+        """The flat cells around the places where classes begin and end, by event, shape (r, 8)."""
+        found = {}
+        for event in ("birth", "death"):
+            # The first cell of the flat grid lies outside, and is never changed.
+            cells = np.zeros((len(self._rows), 8), dtype=np.int64)
+            for row, place in enumerate(self.classes[f"{event}_place"].tolist()):
+                if place >= 0:
+                    around = self.space.cells_at(place)
+                    cells[row, : len(around)] = around
+            found[event] = cells
+        return found
 
-    def _require_free(self, chosen: BoolArray) -> None:
-        inside = chosen & self.space.is_fixed
-        if inside.any():
+    def _components(self, kept: BoolArray) -> _Components:
+        """Return the components of the kept cells of the flat grid; the last answer is kept."""
+        if self._last is None or self._last.kept is not kept:
+            cells = self.space.cell_set(kept)
+            names = label_with_bridges(cells.labels, cells.contacts, cells.bridges)
+            flat = np.pad(names, 1).ravel()
+            oldest = np.zeros(int(flat.max(initial=0)) + 1)
+            np.maximum.at(oldest, flat, self.space.fraction)
+            oldest[0] = 0.0
+            self._last = _Components(kept, flat, oldest)
+        return self._last
+
+    def _require_free(self, cells: IntArray) -> None:
+        if self.space.is_fixed[cells].any():
             raise Impossible("a bridge (`bridges`) ends at its cells")

@@ -67,15 +67,23 @@ def tabulate_material_prices(features: MaterialFeatures) -> pd.DataFrame:
             effect = np.subtract(done.of(k), start.of(k)).tolist()
             others = features.others(start.betti, done.betti, k)
             volume = n * features.grid.cell_size**dim
-            price = [n, volume, _in_words(features, start, done), *effect, others, True, ""]
+            price = [n, volume, describe_volumes(features, start, done), *effect, others, True, ""]
         found.append([*known, wish.do, *price, *features.points[wish.row].tolist()])
     table = pd.DataFrame(found, columns=no_material_prices(dim).columns)
     counts = dict.fromkeys(("cells", "betti_0", "betti_1", "betti_2"), "Int64")
     return table.astype({"possible": bool, **counts})
 
 
-def _in_words(features: MaterialFeatures, start: MaterialDone, done: MaterialDone) -> str:
-    """Return the changes of the volumes of all materials that change, in model units**dim."""
+def describe_volumes(features: MaterialFeatures, start: MaterialDone, done: MaterialDone) -> str:
+    """Return the changes of the volumes of all materials that change, in model units**dim.
+
+    Parameters
+    ----------
+    features
+        The classes at the base.
+    start, done
+        The cells before and after.
+    """
     changed: FloatArray = (
         _volumes(features, done) - _volumes(features, start)
     ) * features.grid.cell_size**features.grid.dim

@@ -231,5 +231,6 @@ def _change(seed: CellSet, may_change: BoolArray, votes: BoolArray) -> BoolArray
     flat = np.ravel_multi_index(tuple(cells.T), kept.shape)
     places = np.ravel_multi_index(tuple(2 * cells.T + 1), votes.shape)
     changed = kept.ravel()
-    change_simple(flat, places, changed, votes.ravel(), link_in(kept.shape, votes.shape))
+    rank = np.full(changed.size, -1, dtype=np.int32)
+    change_simple(flat, places, changed, votes.ravel(), link_in(kept.shape, votes.shape), rank)
     return np.asarray(changed.reshape(kept.shape)[(slice(1, -1),) * kept.ndim])

@@ -14,8 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tusqh.grid import BoolArray, IntArray
-from tusqh.local_topology.workspace import Workspace
-from tusqh.topology.betti_numbers import BettiNumbers
+from tusqh.local_topology.workspace import NO_NAMES, Split, Workspace
 
 #: Largest number of cells around the place that are tried as the event at each distance.
 _TRIALS = 6
@@ -70,8 +69,12 @@ class Event(NamedTuple):
             return 1, 0
         if dim == 2:
             return 2, 2
-        opens_link = self.dimension == (1 if is_born else 0)
-        return (2, 1) if opens_link else (1, 2)
+        return (2, 1) if self.is_among_kept else (1, 2)
+
+    @property
+    def is_among_kept(self) -> bool:
+        """Whether the last cell stands between two pieces of kept cells, not of empty ones."""
+        return self.dimension == (1 if self.begins == self.adds else 0)
 
     @property
     def effect(self) -> tuple[int, int, int]:
@@ -80,8 +83,8 @@ class Event(NamedTuple):
         return tuple(sign * (k == self.dimension) for k in range(3))  # type: ignore[return-value]
 
 
-#: Decides whether cells with the right Betti numbers have changed the class that was meant.
-Accepts = Callable[[BoolArray], bool]
+#: Decides whether cells in which two pieces are not joined have changed the class that was meant.
+Accepts = Callable[[BoolArray, Split], bool]
 
 
 def change_class(
@@ -90,9 +93,9 @@ def change_class(
     place: int,
     event: Event,
     *,
-    before: BettiNumbers,
     is_fixed: BoolArray,
-    accepts: Accepts,
+    accepts: Accepts | None = None,
+    known: IntArray = NO_NAMES,
 ) -> BoolArray | None:
     """Return cells in which one event has happened at a place, None if it cannot.
 
@@ -106,29 +109,46 @@ def change_class(
         Flat index into the doubled grid of the place where the class begins or ends.
     event
         What shall happen.
-    before
-        Betti numbers of the kept cells.
     is_fixed
         Cells of the flat grid that do not change.
     accepts
-        Decides whether the class that was meant has changed.
+        Decides whether the class that was meant has changed, where it is a component; None: the
+        place says so.
+    known
+        Names of the components of `kept` for this decision, see `Workspace.split`.
     """
     around = space.cells_at(place)
     center = _center(space, kept, around, event, is_fixed)
-    wanted = BettiNumbers(*np.add(before, event.effect).tolist())
     is_near = np.zeros(len(kept), dtype=bool)
     is_near[space.cells_near(center, _NEAR)] = True
     for radius in _radii(max(space.shape)):
         cells = space.cells_near(center, radius)
         cells = cells[(kept[cells] != event.adds) & ~is_fixed[cells]]
         for last, grown in _grow(space, kept, cells, center, event):
+            split = _split(space, grown, last, event, known)
             grown[last] = event.adds
-            if space.cell_set(grown).predicted == wanted and accepts(grown):
-                found = _prune(space, kept, grown, last)
+            if split.is_joined == (event.dimension == 1) and (
+                accepts is None or accepts(grown, split)
+            ):
+                found = _prune(space, kept, grown, last, np.append(cells, last))
                 if event.begins or (found != kept)[is_near].any():
                     return found
             grown[last] = not event.adds
     return None
+
+
+def _split(space: Workspace, grown: BoolArray, last: int, event: Event, known: IntArray) -> Split:
+    """Return whether what the last cell stands between is joined elsewhere, which tells its effect.
+
+    A cell that joins two pieces closes a loop if they are joined already, and otherwise makes one
+    component of two; likewise for the empty pieces that it separates.  The classes of the highest
+    dimension and single cells need no such decision.
+    """
+    present, absent = space.find_pieces(grown, last)
+    pieces = present if event.is_among_kept else absent
+    if len(pieces) < 2:
+        return Split(event.dimension == 1, NO_NAMES, (0, 0))
+    return space.split(grown, last, pieces, follows_kept=event.is_among_kept, known=known)
 
 
 def _center(
@@ -162,34 +182,34 @@ def _grow(
         space.change_simple(grown, cells if is_free else cells[cells != center])
         left = cells[grown[cells] != event.adds]
         left = left[np.argsort(space.squared_distance(left, center), kind="stable")]
-        n = 0
-        for last in left.tolist():
-            if n < _TRIALS and space.count_pieces(grown, last) == pieces:
-                n += 1
-                yield last, grown
+        for last in space.find_events(grown, left, pieces, _TRIALS).tolist():
+            yield last, grown
 
 
-def _prune(space: Workspace, kept: BoolArray, grown: BoolArray, last: int) -> BoolArray:
+def _prune(
+    space: Workspace, kept: BoolArray, grown: BoolArray, last: int, tried: IntArray
+) -> BoolArray:
     """Return the cells after undoing all changes that are simple, that of the last cell last."""
-    but_last = kept.copy()
-    but_last[last] = grown[last]
-    return undo_simple(space, kept, undo_simple(space, but_last, grown, last), last)
+    cells = tried[grown[tried] != kept[tried]]
+    found = undo_simple(space, grown, cells[cells != last], last)
+    return undo_simple(space, found, cells[found[cells] != kept[cells]], last)
 
 
-def undo_simple(space: Workspace, kept: BoolArray, changed: BoolArray, center: int) -> BoolArray:
+def undo_simple(space: Workspace, changed: BoolArray, cells: IntArray, center: int) -> BoolArray:
     """Return changed cells after undoing all changes that are simple, the farthest ones first.
 
     Parameters
     ----------
     space
         Votes of the contacts.
-    kept, changed
-        Cells of the flat grid before and after the changes.
+    changed
+        Cells of the flat grid after the changes.
+    cells
+        The flat cells that were changed, shape (r,).
     center
         The flat cell from which distances count.
     """
-    found = changed.copy()
-    cells = np.flatnonzero(found != kept).astype(np.int64)
+    found, cells = changed.copy(), np.unique(cells)
     distance = space.squared_distance(cells, center)
     space.change_simple(found, cells[np.argsort(-distance, kind="stable")])
     return found

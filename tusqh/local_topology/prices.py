@@ -18,7 +18,10 @@ PRICE_COLUMNS = ["row", "class", "birth", "death", "do", "change", "cells", "vol
 PRICE_COLUMNS += ["betti_0", "betti_1", "betti_2", "possible", "why"]
 
 #: Largest product of the number of rows and that of the grid's cells for which prices are found.
-_WORK = 1_500_000
+_WORK = 6_000_000
+
+#: Number of rows for which prices are found on any grid, if the diagram has as many.
+_FEWEST = 20
 
 
 class Tried(NamedTuple, Generic[S]):
@@ -135,7 +138,7 @@ def affordable_rows(features: Changeable[S]) -> list[int]:
     features
         The classes at the base.
     """
-    n = max(1, _WORK // features.grid.n_cells)
+    n = max(_FEWEST, _WORK // features.grid.n_cells)
     table = features.classes
     first = np.lexsort((-table["persistence"].to_numpy(), ~table["is_there"].to_numpy()))
     return sorted(first[:n].tolist())

@@ -164,6 +164,8 @@ def _is_third_pinched(i, material, own, goal, cell, labels, link):  # type: igno
     return link.is_pinched[link.codimension[i], mask]
 
 
+# `simple_cells` has the same function.  The kernels that call it are too long for one file, and the
+# functions that numba keeps on disk do not notice changes of a function in another file.
 @numba.njit(cache=True)
 def _is_one_piece(chosen, joined):  # type: ignore[no-untyped-def]
     """Return whether a set of neighbours is connected and not empty."""

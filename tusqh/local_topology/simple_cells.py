@@ -39,11 +39,11 @@ def is_simple(cell, place, kept, votes, link):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def count_pieces(cell, place, kept, votes, link):  # type: ignore[no-untyped-def]
-    """Return the numbers of connected pieces of the present neighbours and of the absent ones.
+def find_pieces(cell, place, kept, votes, link):  # type: ignore[no-untyped-def]
+    """Return the connected pieces of the present neighbours and of the absent ones, as bits.
 
-    Both are 1 for a simple cell.  No present one makes an island, two join or close a loop; two
-    absent ones close a membrane, and no absent one fills a void (in the plane a hole).
+    There is one of each for a simple cell.  No present one makes an island, two join or close a
+    loop; two absent ones close a membrane, and no absent one fills a void (in the plane a hole).
 
     Parameters
     ----------
@@ -52,7 +52,34 @@ def count_pieces(cell, place, kept, votes, link):  # type: ignore[no-untyped-def
     """
     present = _find_present(cell, place, kept, votes, link)
     every = (1 << len(link.cell)) - 1
-    return _count_pieces(present, link.joined), _count_pieces(every & ~present, link.joined)
+    return _split(present, link.joined), _split(every & ~present, link.joined)
+
+
+@numba.njit(cache=True)
+def find_events(cells, places, pieces, most, kept, votes, link):  # type: ignore[no-untyped-def]
+    """Return the first cells whose neighbours have given numbers of pieces.
+
+    Parameters
+    ----------
+    cells, places
+        Flat indices of the cells, and of their places on the doubled grid, shape (r,), int64.
+    pieces
+        The numbers of present and of absent pieces, see `find_pieces`.
+    most
+        Largest number of cells to return.
+    kept, votes, link
+        See `is_simple`.
+    """
+    found = np.empty(most, dtype=np.int64)
+    n = 0
+    for r in range(len(cells)):
+        present, absent = find_pieces(cells[r], places[r], kept, votes, link)
+        if len(present) == pieces[0] and len(absent) == pieces[1]:
+            found[n] = cells[r]
+            n += 1
+            if n == most:
+                break
+    return found[:n]
 
 
 @numba.njit(cache=True)
@@ -74,11 +101,10 @@ def _find_present(cell, place, kept, votes, link):  # type: ignore[no-untyped-de
 
 
 @numba.njit(cache=True)
-def _count_pieces(chosen, joined):  # type: ignore[no-untyped-def]
-    """Return the number of connected pieces of a set of neighbours."""
-    n = 0
+def _split(chosen, joined):  # type: ignore[no-untyped-def]
+    """Return the connected pieces of a set of neighbours, as bits."""
+    pieces, n = np.empty(len(joined), dtype=np.int64), 0
     while chosen:
-        n += 1
         reached = chosen & -chosen
         while True:
             grown = reached
@@ -90,7 +116,9 @@ def _count_pieces(chosen, joined):  # type: ignore[no-untyped-def]
                 break
             reached = grown
         chosen &= ~reached
-    return n
+        pieces[n] = reached
+        n += 1
+    return pieces[:n]
 
 
 @numba.njit(cache=True)
@@ -111,7 +139,7 @@ def _is_one_piece(chosen, joined):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True)
-def change_simple(cells, places, kept, votes, link):  # type: ignore[no-untyped-def]
+def change_simple(cells, places, kept, votes, link, rank):  # type: ignore[no-untyped-def]
     """Add or remove cells while they are simple, in place, until none of those left is.
 
     Of the cells that are simple, the first in the given order is changed next.
@@ -124,6 +152,8 @@ def change_simple(cells, places, kept, votes, link):  # type: ignore[no-untyped-
         Their places on the doubled grid, shape (r,), int64.
     kept, votes, link
         See `is_simple`; `kept` changes.
+    rank
+        Room for a number per cell, all -1 before and after, shape (n,), int32.
 
     Returns
     -------
@@ -132,7 +162,6 @@ def change_simple(cells, places, kept, votes, link):  # type: ignore[no-untyped-
     """
     n = len(cells)
     is_changed, is_queued = np.zeros(n, dtype=np.bool_), np.ones(n, dtype=np.bool_)
-    rank = np.full(len(kept), -1, dtype=np.int64)
     rank[cells] = np.arange(n)
     queue = list(np.arange(n))  # An ascending list is a heap.
     while len(queue):
@@ -144,8 +173,9 @@ def change_simple(cells, places, kept, votes, link):  # type: ignore[no-untyped-
         is_changed[r] = True
         # The cell is in the link of all its neighbours, which may have become simple.
         for step in link.cell:
-            other = rank[cells[r] + step]
+            other = np.int64(rank[cells[r] + step])
             if other >= 0 and not is_changed[other] and not is_queued[other]:
                 is_queued[other] = True
                 heapq.heappush(queue, other)
+    rank[cells] = -1
     return is_changed

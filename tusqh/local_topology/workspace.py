@@ -3,15 +3,41 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from tusqh.antialias.cells import CellSet
-from tusqh.contacts.one_material_contacts import find_contacts
+from tusqh.contacts.one_material import MATERIAL
+from tusqh.contacts.one_material_contacts import find_contacts, label_cells
+from tusqh.contacts.predict import predict_betti
 from tusqh.grid import BoolArray, IntArray
 from tusqh.local_topology.link import link_in
 from tusqh.local_topology.move import touch_bridges, votes_of
-from tusqh.local_topology.simple_cells import change_simple, count_pieces
+from tusqh.local_topology.regions import Field, flood, split_around
+from tusqh.local_topology.simple_cells import change_simple, find_events, find_pieces
+from tusqh.topology.betti_numbers import BettiNumbers
+
+#: Names of no cells, see `Workspace.split`.
+NO_NAMES: IntArray = np.zeros(0, dtype=np.int64)
+
+
+class Split(NamedTuple):
+    """Whether two pieces of the neighbours of a cell are joined without it.
+
+    Parameters
+    ----------
+    is_joined
+        Whether they are.
+    cells
+        If not, all cells of one of the two sides, on the flat grid.
+    names
+        Names of that side and of the other one, 0 if unknown.
+    """
+
+    is_joined: bool
+    cells: IntArray
+    names: tuple[int, int]
 
 
 class Workspace:
@@ -37,6 +63,15 @@ class Workspace:
         self.fraction = np.pad(start.fractions.cells, 1).ravel()
         #: Cells that never change: the layer around the grid, and cells beside bridges.
         self.is_fixed = np.pad(touch_bridges(start), 1, constant_values=True).ravel()
+        self._rank = np.full(len(self.is_fixed), -1, dtype=np.int32)
+        self._field = Field(
+            votes=self._flat_votes,
+            link=self._link,
+            shape=np.array(self.shape, dtype=np.int64),
+            place_step=np.append(np.cumprod(self._place_shape[:0:-1])[::-1], 1).astype(np.int64),
+            bridged=self._find_bridged(),
+            side=np.full(len(self.is_fixed), -1, dtype=np.int8),
+        )
 
     def flatten(self, kept: BoolArray) -> BoolArray:
         """Return cells of the grid on the flat grid.
@@ -114,10 +149,11 @@ class Workspace:
         cells
             Flat indices, first the most urgent, shape (r,).
         """
-        change_simple(cells, self._places(cells), kept, self._flat_votes, self._link)
+        places = self._places(cells)
+        change_simple(cells, places, kept, self._flat_votes, self._link, self._rank)
 
-    def count_pieces(self, kept: BoolArray, cell: int) -> tuple[int, int]:
-        """Return the numbers of pieces of a cell's neighbours, see `simple_cells.count_pieces`.
+    def find_pieces(self, kept: BoolArray, cell: int) -> tuple[list[int], list[int]]:
+        """Return the pieces of a cell's neighbours, see `simple_cells.find_pieces`.
 
         Parameters
         ----------
@@ -129,11 +165,108 @@ class Workspace:
         Returns
         -------
         present, absent
-            The two numbers.
+            The neighbours of each piece, as bits.
         """
         place = self._places(np.array([cell]))[0]
-        found = count_pieces(cell, place, kept, self._flat_votes, self._link)
-        return int(found[0]), int(found[1])
+        present, absent = find_pieces(cell, place, kept, self._flat_votes, self._link)
+        return present.tolist(), absent.tolist()
+
+    def find_events(
+        self, kept: BoolArray, cells: IntArray, pieces: tuple[int, int], most: int
+    ) -> IntArray:
+        """Return the first of some cells whose neighbours have given numbers of pieces.
+
+        Parameters
+        ----------
+        kept
+            Cells of the flat grid.
+        cells
+            Flat indices, shape (r,).
+        pieces
+            The numbers of present and of absent pieces.
+        most
+            Largest number of cells to return.
+        """
+        places = self._places(cells)
+        found = find_events(cells, places, pieces, most, kept, self._flat_votes, self._link)
+        return np.asarray(found)
+
+    def split(
+        self,
+        kept: BoolArray,
+        cell: int,
+        pieces: list[int],
+        *,
+        follows_kept: bool,
+        known: IntArray = NO_NAMES,
+    ) -> Split:
+        """Return whether two pieces of a cell's neighbours are joined without the cell.
+
+        Parameters
+        ----------
+        kept
+            Cells of the flat grid.
+        cell
+            Flat index of the cell.
+        pieces
+            The two pieces, as bits.
+        follows_kept
+            Whether the pieces are of kept cells, not of empty ones.
+        known
+            Names of some cells, see `tusqh.local_topology.regions.split_around`.
+        """
+        first, second = pieces
+        is_joined, cells, names = split_around(
+            cell, first, second, kept, follows_kept, known, self._field
+        )
+        return Split(bool(is_joined), cells, (int(names[0]), int(names[1])))
+
+    def flood(
+        self,
+        kept: BoolArray,
+        cells: IntArray,
+        *,
+        follows_kept: bool,
+        known: IntArray = NO_NAMES,
+    ) -> tuple[IntArray, bool]:
+        """Return the cells that are joined to some cells, and whether they reach the outside.
+
+        Parameters
+        ----------
+        kept
+            Cells of the flat grid.
+        cells
+            Flat cells to begin with, shape (r,).
+        follows_kept
+            Whether kept cells are followed, not empty ones.
+        known
+            Names of cells that are not passed, see `tusqh.local_topology.regions.flood`.
+
+        Returns
+        -------
+        cells, is_outside
+            The cells, and whether the outside is among them.
+        """
+        found, is_outside = flood(cells, kept, follows_kept, known, self._field)
+        return found, bool(is_outside)
+
+    def betti_of(self, cells: IntArray, *, are_kept: bool) -> BettiNumbers:
+        """Return the Betti numbers of some cells alone.
+
+        Parameters
+        ----------
+        cells
+            Flat cells, shape (r,).
+        are_kept
+            Whether they are joined as kept cells are, or as empty cells.
+        """
+        index = np.stack(np.unravel_index(cells, self.shape)) - 1
+        low, high = index.min(axis=1), index.max(axis=1)
+        part = np.zeros(high - low + 1, dtype=bool)
+        part[tuple(index - low[:, None])] = True
+        box = tuple(slice(2 * a, 2 * b + 3) for a, b in zip(low, high, strict=True))
+        votes = self.votes[box] == are_kept
+        return predict_betti(label_cells(part), find_contacts(part, votes), 2)[MATERIAL]
 
     def cell_set(self, kept: BoolArray) -> CellSet:
         """Return the cells of the flat grid with their contacts.
@@ -145,6 +278,12 @@ class Workspace:
         """
         cells = self.unflatten(kept)
         return replace(self.start, kept=cells, contacts=find_contacts(cells, self.votes))
+
+    def _find_bridged(self) -> IntArray:
+        """Return the flat cells that bridges join, shape (r, 2)."""
+        pairs = np.array([bridge.cells for bridge in self.start.bridges], dtype=np.int64)
+        index = np.unravel_index(pairs.reshape(-1, 2), self.start.kept.shape)
+        return self._to_flat(tuple(axis + 1 for axis in index))
 
     def _to_flat(self, index: tuple[IntArray, ...]) -> IntArray:
         """Return the flat cells of indices along each axis."""

@@ -21,7 +21,7 @@ from tusqh.threshold.selection import Selection
 from tusqh.topology.topology import Topology
 
 #: Largest number of cells of a grid on which `Choice.prices` lists prices.
-MOST_CELLS = 1_000_000
+MOST_CELLS = 2_500_000
 
 
 @dataclass(frozen=True)

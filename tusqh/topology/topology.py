@@ -103,7 +103,9 @@ class Topology:
             Places where the classes of the highest dimension begin, see `pairs`, shape (r,).
         """
         pairs = find_enclosed(self._nodes, self._empty)
-        cell_of = dict(zip(*(pairs[f"{e}_place"].tolist() for e in ("birth", "death")), strict=True))
+        cell_of = dict(
+            zip(*(pairs[f"{e}_place"].tolist() for e in ("birth", "death")), strict=True)
+        )
         return np.array([cell_of[place] for place in birth_places.tolist()], dtype=np.int64)
 
     def values_at_places(self) -> Multiples:

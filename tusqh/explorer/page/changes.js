@@ -26,27 +26,37 @@ class CellBoxes {
     }
   }
 
-  /** Return boxes a little smaller than the cells; in the plane squares above them. */
+  /** Return the sides at which cells meet others; in the plane squares above the cells. */
   geometryOf(cells) {
-    const sides = this.isFlat ? [[4, 5, 7, 6]]
-      : [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    const points = new Float32Array(24 * cells.length);
-    const index = new Uint32Array(6 * sides.length * cells.length);
-    let at = 0;
-    cells.forEach((cell, n) => {
+    const corners = this.isFlat ? [[4, 5, 7, 6]]
+      : [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    const chosen = new Set(cells);
+    const points = [];
+    const index = [];
+    for (const cell of cells) {
       const low = this.indexOf(cell);
-      for (let c = 0; c < 8; c++) {
-        for (let a = 0; a < 3; a++) {
-          const isUpper = c >> a & 1;
-          points[24 * n + 3 * c + a] = this.isFlat && a === 2 ? 2 : low[a] + (isUpper ? 0.95 : 0.05);
+      corners.forEach((side, k) => {
+        if (!this.isFlat && this.hasNeighbour(chosen, cell, low, k >> 1, k & 1)) return;
+        const first = points.length / 3;
+        for (const c of side) {
+          for (let a = 0; a < 3; a++) points.push(this.isFlat && a === 2 ? 2 : low[a] + (c >> a & 1 ? 0.97 : 0.03));
         }
-      }
-      for (const [a, b, c, d] of sides) for (const corner of [a, b, c, a, c, d]) index[at++] = 8 * n + corner;
-    });
+        index.push(first, first + 1, first + 2, first, first + 2, first + 3);
+      });
+    }
     const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute('position', new THREE.BufferAttribute(points, 3));
-    geometry.setIndex(new THREE.BufferAttribute(index, 1));
+    geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(points), 3));
+    geometry.setIndex(new THREE.BufferAttribute(new Uint32Array(index), 1));
     return geometry;
+  }
+
+  /** Return whether the next cell along an axis is among the chosen ones. */
+  hasNeighbour(chosen, cell, low, axis, isUpper) {
+    const at = low[axis] + (isUpper ? 1 : -1);
+    if (at < 0 || at >= this.shape[axis]) return false;
+    let step = 1;
+    for (let a = this.shape.length - 1; a > axis; a--) step *= this.shape[a];
+    return chosen.has(cell + (isUpper ? step : -step));
   }
 
   /** Return the index of a cell along each axis. */

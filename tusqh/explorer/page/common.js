@@ -22,6 +22,44 @@ function writeFacts(facts) {
   byId('verdict').classList.toggle('warned', facts.verdict.startsWith('suitable with warnings'));
 }
 
+/** Write a command, and what it omits. */
+function writeCommand(line, note) {
+  const parts = line.split(' ').flatMap((word) => [element('span', '', word), ' ']);
+  byId('command').replaceChildren(...parts.slice(0, -1)); // Lines break between words only.
+  byId('command-note').textContent = note;
+}
+
+/** Copy the command, or select it where this is not allowed. */
+async function copyCommand() {
+  const text = byId('command').textContent;
+  const button = byId('copy');
+  try {
+    await navigator.clipboard.writeText(text);
+    button.textContent = 'Copied';
+  } catch {
+    window.getSelection().selectAllChildren(byId('command')); // Ctrl+C then copies it.
+    button.textContent = 'Selected';
+  }
+  setTimeout(() => { button.textContent = 'Copy'; }, 1500);
+}
+
+/** Return a volume of cells (in the plane an area) with its unit. */
+function showVolume(cells, facts) {
+  const { scale, unit } = lengthScale(facts);
+  const dim = facts.grid.shape.length;
+  return `${show(cells * (facts.grid.cell_size / scale) ** dim, 3)} ${unit}${dim === 2 ? '\u00b2' : '\u00b3'}`;
+}
+
+/** Return a button for an offer to change a class. */
+function offerButton(wishes, k, facts, act) {
+  const button = element('button', '', `${wishes.describe(k)}, ${showVolume(wishes.cells(k).length, facts)}`);
+  button.type = 'button';
+  button.dataset.wish = k;
+  button.setAttribute('aria-pressed', k === wishes.shown);
+  button.addEventListener('click', () => act(k === wishes.shown ? -1 : k));
+  return button;
+}
+
 /** Return an entry of a legend: a swatch and its text. */
 function legendEntry(colour, text) {
   const item = element('li');

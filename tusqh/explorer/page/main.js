@@ -118,7 +118,7 @@ class Explorer {
       label();
     });
     label();
-    byId('copy').addEventListener('click', () => this.copyCommand());
+    byId('copy').addEventListener('click', copyCommand);
   }
 
   onSliderKey(event) {
@@ -326,16 +326,7 @@ class Explorer {
         card.append(element('p', 'quiet', `${what}: ${why}`));
         continue;
       }
-      const { scale, unit } = lengthScale(this.facts);
-      const { cell_size: size, shape } = this.facts.grid;
-      const volume = this.wishes.cells(k).length * (size / scale) ** shape.length;
-      const price = `${show(volume, 3)} ${unit}${this.isFlat ? '\u00b2' : '\u00b3'}`;
-      const button = element('button', '', `${this.wishes.describe(k)}, ${price}`);
-      button.type = 'button';
-      button.dataset.wish = k;
-      button.setAttribute('aria-pressed', k === this.wishes.shown);
-      button.addEventListener('click', () => this.showWish(k === this.wishes.shown ? -1 : k));
-      buttons.append(button);
+      buttons.append(offerButton(this.wishes, k, this.facts, (n) => this.showWish(n)));
     }
     card.append(buttons);
   }
@@ -385,9 +376,7 @@ class Explorer {
     let goal = this.view === 'mesh' && command.goal ? command.goal : `--threshold ${now.threshold}`;
     if (offer) goal += ` --${offer.do} ${offer.row}`;
     const line = `${command.before} ${goal} ${command.after}`;
-    const parts = line.split(' ').flatMap((word) => [element('span', '', word), ' ']);
-    byId('command').replaceChildren(...parts.slice(0, -1)); // Lines break between words only.
-    byId('command-note').textContent = command.note;
+    writeCommand(line, command.note);
     this.writeDiagramLegend(now);
     this.topologies.mark(this.plateau);
     const note = byId('note');
@@ -435,19 +424,6 @@ class Explorer {
     } else if (this.isFlat) items = [legendEntry(COLOURS.outline, 'geometry, unrepaired')];
     else items = [legendEntry(COLOURS.front, 'outer side'), legendEntry(COLOURS.back, 'inner side')];
     byId('legend').replaceChildren(...items);
-  }
-
-  async copyCommand() {
-    const text = byId('command').textContent;
-    const button = byId('copy');
-    try {
-      await navigator.clipboard.writeText(text);
-      button.textContent = 'Copied';
-    } catch {
-      window.getSelection().selectAllChildren(byId('command')); // Ctrl+C then copies it.
-      button.textContent = 'Selected';
-    }
-    setTimeout(() => { button.textContent = 'Copy'; }, 1500);
   }
 }
 

@@ -4,11 +4,13 @@
 class MaterialsExplorer {
   static async open() {
     const facts = JSON.parse(byId('facts-json').textContent);
-    return new MaterialsExplorer(facts, await unpack('mesh', facts.manifests.mesh));
+    const [mesh, wishes] = await Promise.all(['mesh', 'wishes'].map((name) => unpack(name, facts.manifests[name])));
+    return new MaterialsExplorer(facts, mesh, wishes);
   }
 
-  constructor(facts, mesh) {
+  constructor(facts, mesh, wishes) {
     this.facts = facts;
+    this.wishes = new Wishes(facts.wishes, wishes);
     this.cells = new Cells(facts.grid.shape);
     this.window = null;
     document.body.classList.add(this.cells.isFlat ? 'flat' : 'solid');
@@ -35,7 +37,8 @@ class MaterialsExplorer {
     // Facets lie a little behind the curves at their edges.
     Object.assign(this.layer.object.material, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 });
     this.curves = curvesObject(mesh.points, mesh.curves);
-    this.stage.scene.add(this.layer.object, this.curves);
+    this.cellBoxes = new CellBoxes(cells.shape, cells.isFlat);
+    this.stage.scene.add(this.layer.object, this.curves, this.cellBoxes.object);
     this.axes = new Axes(this.stage, facts.grid, lengthScale(facts));
     this.stage.look('oblique');
     byId('stage').setAttribute('aria-label', cells.isFlat
@@ -83,6 +86,7 @@ class MaterialsExplorer {
       swatch.style.background = colour;
       cell.prepend(swatch);
     }
+    fillFeatures(byId('panel-features'), this.facts, this.wishes, (k) => this.showWish(k));
     fillPanel(byId('panel-pairs'), [{
       title: 'Overlap, gap and interface of every two materials', table: tables.pairs, options: { digits: 4 },
     }]);
@@ -103,11 +107,24 @@ class MaterialsExplorer {
       this.curves.visible = byId('curves').checked;
       this.stage.invalidate();
     });
+    byId('copy').addEventListener('click', copyCommand);
     byId('show-all').addEventListener('click', () => this.showAll(true));
     byId('hide-all').addEventListener('click', () => this.showAll(false));
     for (const button of document.querySelectorAll('[data-look]')) {
       button.addEventListener('click', () => this.stage && this.stage.look(button.dataset.look));
     }
+  }
+
+  /** Show what it takes to open, cut or fill a class; -1: nothing. */
+  showWish(k) {
+    this.wishes.shown = k;
+    for (const button of byId('panel-features').querySelectorAll('[data-wish]')) {
+      button.setAttribute('aria-pressed', Number(button.dataset.wish) === k);
+    }
+    this.writeNote();
+    if (!this.stage) return;
+    this.cellBoxes.set(this.wishes.groups());
+    this.stage.invalidate();
   }
 
   /** Show a material, or hide it. */
@@ -156,7 +173,13 @@ class MaterialsExplorer {
   }
 
   writeNote() {
+    const { command } = this.facts;
+    const { offer } = this.wishes;
     byId('cut-note').hidden = this.facts.can_cut;
+    byId('note').hidden = !offer;
+    if (offer) byId('note').textContent = describeOffer(this.wishes, this.facts);
+    const goal = [command.goal, offer && `--${offer.do} ${offer.option}`].filter(Boolean).join(' ');
+    writeCommand([command.before, goal, command.after].filter(Boolean).join(' '), command.note);
   }
 }
 
