@@ -138,7 +138,7 @@ def test_the_places_belong_to_the_rows_of_the_diagram():
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_parts_that_nothing_joins_meet_where_they_are_nearest(dim):
-    """The second part is three cells from the first one at its middle row, the third one farther."""
+    """The second part is three cells from the first one, and the third one is four from it."""
     cells = np.zeros((9, 15, 3)[:dim])
     cells[:, :3] = 1.0
     cells[3:6, 6:8] = 0.8

@@ -235,12 +235,12 @@ class Features(ListedClasses):
         cell = self.space.cells_at(self._rows[wish.row].birth_place)[:1]
         if not done.kept[cell].all():
             raise Impossible("the base keeps no cell of it")
+        if done.betti.betti_0 == 1:
+            raise Impossible("it is the only component, and no cell would be left")
         removed, _ = self.space.flood(done.kept, cell, follows_kept=True)
         self._require_free(removed)
         kept = done.kept.copy()
         kept[removed] = False
-        if not kept.any():
-            raise Impossible("it is the only component, and no cell would be left")
         betti = np.subtract(done.betti, self.space.betti_of(removed, are_kept=True))
         there = done.there - self._lie_in(done.there, "birth", removed) - {wish.row}
         return self._after(done, wish, kept, there, self._unless_bridged(kept, betti))
