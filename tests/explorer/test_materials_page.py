@@ -224,7 +224,7 @@ def test_an_offer_shows_its_cells_and_makes_the_command(opened, folder):
         assert opened.evaluate(f"explorer.wishes.cells({k}).length") == price["cells"]
         assert opened.evaluate("explorer.cellBoxes.object.children.length") == 1
         note = opened.text("#note")
-        assert f"{price['cells']} cell" in note
+        assert f"{int(price['cells'])} cell" in note
         assert price["volumes"] in note
         words = shlex.split(opened.text("#command"))
         at = words.index(f"--{price['do']}")
