@@ -112,7 +112,18 @@ def _circle(n: int = 4000) -> tuple[FloatArray, IntArray]:
 
 
 def unit_sphere(n: int = 160) -> tuple[FloatArray, IntArray]:
-    """Return the points and triangles of a sphere with n meridians and n / 2 parallels."""
+    """Return a sphere of radius 1.
+
+    Parameters
+    ----------
+    n
+        Number of meridians, twice that of parallels.
+
+    Returns
+    -------
+    points, triangles
+        Points, shape (p, 3), and triangles, shape (t, 3).
+    """
     down, around = np.pi * np.arange(1, n // 2) / (n // 2), 2 * np.pi * np.arange(n) / n
     rings = np.stack(
         [

@@ -292,16 +292,8 @@ _FIGURES = (
     ResultFile(
         "figure_fit", "figures/fit.png", "the model, its staircase and its fitted mesh, with `fit`"
     ),
-    ResultFile(
-        "figure_sets",
-        "figures/sets.png",
-        "the named sets of facets of a fitted mesh, with the numbers of holes, with `fit`",
-    ),
-    ResultFile(
-        "figure_jacobians",
-        "figures/jacobians.png",
-        "the scaled Jacobians of the staircase and of the fitted mesh, with `fit`",
-    ),
+    ResultFile("figure_sets", "figures/sets.png", "the named sets of a mesh, with `fit`"),
+    ResultFile("figure_jacobians", "figures/jacobians.png", "scaled Jacobians, with `fit`"),
     ResultFile("figure_field", "figures/field.png", "the volume fractions of an outline"),
     ResultFile("figure_thresholds", "figures/thresholds.png", "an outline at three thresholds"),
     ResultFile("figure_panels", "figures/panels.png", "a solid at every threshold of the sweep"),
@@ -313,9 +305,7 @@ _FIGURES = (
         "figures/antialias.png",
         "interior sub-cells and templates where the most pinches are",
     ),
-    ResultFile(
-        "figure_contaminant", "figures/contaminant.png", "a contaminant that spreads in the mesh"
-    ),
+    ResultFile("figure_contaminant", "figures/contaminant.png", "a contaminant in the mesh"),
     ResultFile("figure_temperature", "figures/temperature.png", "heat that spreads in the mesh"),
 )
 
