@@ -57,7 +57,7 @@ def run_trials(background, n, seed):
     for k in range(n):
         cells = random_cells(rng, background, to_rim=k % 2 == 0)
         if cells.kept.any():
-            mesh, _ = build_mesh(cells, name="trial")
+            mesh, *_ = build_mesh(cells, name="trial")
             require_as_predicted(cells, mesh)
             n_pinches += len(cells.pinches.vertices), len(cells.pinches.edges)
     return n_pinches
@@ -83,7 +83,7 @@ def test_other_counts_of_the_mesh_agree(meshes, name):
     count = gudhi_betti if background.dim == 3 else betti_by_rank
     for _ in range(2):
         cells = random_cells(rng, background, to_rim=False)
-        mesh, _ = build_mesh(cells, name="trial")
+        mesh, *_ = build_mesh(cells, name="trial")
         assert tuple(count(mesh.cells)) == tuple(cells.predicted)
 
 
@@ -147,7 +147,7 @@ def test_two_hexes_at_an_edge_are_joined_by_its_stick_or_parted():
         values = NodeValues(np.where(kept, FULL, 0).ravel().astype(np.int32), edges, vertices)
         cells = BackgroundCellSets(box, values).at(0.5)
         assert (len(cells.pinches.vertices), len(cells.pinches.edges)) == (2, 1)
-        mesh, is_new = build_mesh(cells, name="two")
+        mesh, is_new, _ = build_mesh(cells, name="two")
         require_as_predicted(cells, mesh)
         assert tuple(cells.predicted) == betti
         assert is_new.any()

@@ -7,7 +7,8 @@ triangle).  It has the Betti numbers of the kept cells for edges of any valence.
 Modules: `background_mesh` (cells and what they share), `reading` and `checks` (mesh files),
 `node_values` and `simplices` (the complex), `curves` (Betti numbers at every threshold),
 `scattered` and `fractions` (sampling), `pinches`, `cells`, `split_hexes`, `split_quads` and `mesh`
-(the mesh at a threshold), `makers` (common backgrounds).
+(the mesh at a threshold), `improve` (better elements), `run` (all steps), `makers` (common
+backgrounds).
 """
 
 from tusqh.background.background_mesh import BackgroundMesh

@@ -14,7 +14,7 @@ from tusqh.meshes.facets import find_facets
 from tusqh.meshes.volume_mesh import CONNECTING, GRID_CELL, INNER_CELL, VolumeMesh
 
 
-def build_mesh(cells: BackgroundCells, *, name: str) -> tuple[VolumeMesh, BoolArray]:
+def build_mesh(cells: BackgroundCells, *, name: str) -> tuple[VolumeMesh, BoolArray, BoolArray]:
     """Return the mesh of kept cells, with new vertices at the places of a simple rule.
 
     Parts of kept cells are kept, except balls and sticks that separate; parts of empty cells are
@@ -32,7 +32,9 @@ def build_mesh(cells: BackgroundCells, *, name: str) -> tuple[VolumeMesh, BoolAr
     mesh
         The mesh; `grid_cell` is the number of the background cell.
     is_new
-        Whether each point of it is new and does not lie on the rim, shape (n,): it may move.
+        Whether each point of it is new and does not lie on the rim, shape (n,).
+    on_rim
+        Whether each point lies on the rim of the background, shape (n,).
     """
     background, pinches = cells.background, cells.pinches
     is_pinch = np.zeros(background.n_points, dtype=bool)
@@ -61,7 +63,9 @@ def build_mesh(cells: BackgroundCells, *, name: str) -> tuple[VolumeMesh, BoolAr
         name=name,
         unit=background.unit,
     )
-    return mesh, free[is_used]
+    on_rim = ~free
+    on_rim[: background.n_points] = background.is_rim_vertex
+    return mesh, free[is_used], on_rim[is_used]
 
 
 def _split(cells: BackgroundCells, split: IntArray) -> Parts:

@@ -11,6 +11,7 @@ from typing import Annotated
 import typer
 
 import tusqh
+from tusqh.cli import background
 from tusqh.cli.add import add
 from tusqh.cli.check import check
 from tusqh.cli.inspect import inspect
@@ -38,6 +39,7 @@ app = typer.Typer(
 )
 for command in (mesh, recommend, inspect, view, check, add):
     app.command(cls=Command)(command)
+app.add_typer(background.app, name="background")
 
 
 @app.callback()
