@@ -110,6 +110,21 @@ def test_the_tolerance_is_kept_far_from_the_cap_and_near(share_lost, tolerance):
     assert np.abs(means[tuple(blocks.T)] - expected).max() < tolerance
 
 
+def test_the_tolerance_is_kept_in_a_soup_that_fills_space():
+    """The farther away, the more sheets there are, and the fewer nodes they get."""
+    rng = np.random.default_rng(1)
+    start, sides = rng.random((400, 1, 3)), rng.normal(size=(2, 400, 1, 3)) * 0.1
+    points = np.concatenate([start, start + sides[0], start + sides[1]], axis=1).reshape(-1, 3)
+    soup = soup_of(points, np.arange(1200).reshape(-1, 3))
+    lattice = lattice_over(soup, 64, half=2)
+    means = make_field(soup).sums(lattice, 0, int(lattice.n_blocks[0])) / 8
+    blocks = np.random.default_rng(0).integers(0, lattice.n_blocks, (600, 3))
+    offsets = np.indices((2, 2, 2)).reshape(3, -1).T
+    queries = lattice.origin + lattice.step * (2 * blocks[:, None] + offsets).reshape(-1, 3)
+    expected = igl.winding_number(soup.points, soup.triangles, queries).reshape(600, 8).mean(axis=1)
+    assert np.abs(means[tuple(blocks.T)] - expected).max() < 1e-6
+
+
 def test_the_airplane_within_the_tolerance_at_its_half_blocks():
     soup = read_file(locate("package:pyvista/examples/airplane.ply")).geometry
     lattice = lattice_over(soup, 24, half=2)

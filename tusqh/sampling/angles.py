@@ -21,10 +21,6 @@ from tusqh.sampling.kernel_arguments import Ball, Points
 _FACTORS = 8
 #: Angles up to this are computed from the series of the arctangent.
 _SMALL = 0.3
-#: A triangle is far from a block if its distance to the block's centre is at least this many sides.
-FAR = 1.5
-#: From this number of far triangles, filling the inside of a block from its surface is faster.
-_MANY = 24
 #: Number of terms added in single precision before their sum is added in double precision.
 _PARTS = 16
 _ONE, _THIRD, _FIFTH, _SEVENTH, _NINTH = (np.float32(1 / k) for k in (1, 3, 5, 7, 9))
@@ -155,7 +151,8 @@ def _wind_from_afar(points, ball, pieces, chosen, winding):  # type: ignore[no-u
     n_corners = corners.shape[1]
     near = np.empty((n_corners, 3), dtype=np.float32)
     part = np.zeros(n, dtype=np.float32)
-    n_parts = 0
+    large = np.empty(len(chosen), dtype=np.int64)
+    n_parts, n_large = 0, 0
     for c in range(len(chosen)):
         t = chosen[c]
         corner = corners[t]
@@ -167,8 +164,8 @@ def _wind_from_afar(points, ball, pieces, chosen, winding):  # type: ignore[no-u
         # Upper bound of half the solid angle (triangle) or of the angle (segment).
         largest = size / (4 * distance * distance) if n_corners == 3 else size / distance
         if largest > _SMALL:
-            moved = Points(p_x + c_x, p_y + c_y, p_z + c_z)
-            _wind(moved, n, pieces, chosen[c : c + 1], np.empty((5, n)), winding)
+            large[n_large] = t
+            n_large += 1
             continue
         factor = np.float32(multiplicity[t] / (2 * np.pi))
         n_x, n_y, n_z = np.float32(m_x), np.float32(m_y), np.float32(m_z)
@@ -192,6 +189,9 @@ def _wind_from_afar(points, ball, pieces, chosen, winding):  # type: ignore[no-u
                 part[k] = 0.0
     for k in range(n):
         winding[k] += part[k]
+    if n_large > 0:
+        moved = Points(p_x + c_x, p_y + c_y, p_z + c_z)
+        _wind(moved, n, pieces, large[:n_large], np.empty((5, n)), winding)
 
 
 @numba.njit(cache=True, error_model="numpy", inline="always")
@@ -210,10 +210,8 @@ def _scale(x, y, n):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy", parallel=True)
-def add_far(pieces, blocks, nodes, far, values, is_single):  # type: ignore[no-untyped-def]
-    """Add the winding numbers of the far pieces of each block at its nodes.
-
-    With many far pieces, only the surface nodes are evaluated; `NodeTables.fill` gives the others.
+def wind_far(pieces, blocks, nodes, far, rows, is_single, matrix):  # type: ignore[no-untyped-def]
+    """Return what follows from the winding numbers of far pieces on the surfaces of some blocks.
 
     Parameters
     ----------
@@ -225,42 +223,48 @@ def add_far(pieces, blocks, nodes, far, values, is_single):  # type: ignore[no-u
         `NodeTables`.
     far
         `Lists` of the far pieces of each block.
-    values
-        Winding numbers at the nodes to add to, shape (n_blocks, n_nodes), dimensionless.
+    rows
+        The blocks to evaluate, shape (m,).
     is_single
         Whether single precision suffices.
+    matrix
+        Maps the winding numbers at the surface nodes to what is wanted, shape (n_surface, k).
+
+    Returns
+    -------
+    on_surface
+        Winding numbers at the surface nodes, shape (m, n_surface), dimensionless.
+    mapped
+        Their products with the matrix, shape (m, k).
     """
-    for r in numba.prange(len(values)):
+    on_surface = np.zeros((len(rows), len(nodes.surface)))
+    mapped = np.zeros((len(rows), matrix.shape[1]))
+    for m in numba.prange(len(rows)):
+        r = rows[m]
         chosen = far.pieces[far.start[r] : far.start[r + 1]]
-        if len(chosen):
-            _add_far_to_block(
-                pieces, blocks.lowest[r], blocks.size, nodes, chosen, values[r], is_single
-            )
+        lowest, size = blocks.lowest[r], blocks.size
+        _wind_on_surface(pieces, lowest, size, nodes, chosen, is_single, on_surface[m])
+        _multiply(on_surface[m], matrix, mapped[m])
+    return on_surface, mapped
 
 
 # The bodies of both loops are compiled on their own: inside `prange` that takes numba much longer.
 @numba.njit(cache=True, error_model="numpy")
-def _add_far_to_block(  # type: ignore[no-untyped-def]
-    pieces, lowest, size, nodes, chosen, values, is_single
-):
+def _wind_on_surface(pieces, lowest, size, nodes, chosen, is_single, winding):  # type: ignore[no-untyped-def]
     at_x, at_y, at_z = nodes.x, nodes.y, nodes.z
-    surface, inside, fill = nodes.surface, nodes.inside, nodes.fill
     n_y, n_z = len(at_y), len(at_z)
+    n_points = len(nodes.surface)
     radius = 0.5 * size[0] * np.sqrt(3.0 if n_y > 1 else 2.0)
-    clearance = FAR * size[0] - radius
-    is_filled = len(chosen) >= _MANY
-    n_points = len(surface) if is_filled else len(values)
     c_x, c_y, c_z = lowest[0] + 0.5 * size[0], lowest[1] + 0.5 * size[1], lowest[2] + 0.5 * size[2]
     points = np.empty((3, n_points))
     for k in range(n_points):
-        node = surface[k] if is_filled else k
+        node = nodes.surface[k]
         points[0, k] = (at_x[node // (n_y * n_z)] - 0.5) * size[0]
         points[1, k] = (at_y[node // n_z % n_y] - 0.5) * size[1]
         points[2, k] = (at_z[node % n_z] - 0.5) * size[2]
-    winding = np.zeros(n_points)
     at = Points(points[0], points[1], points[2])
     if is_single:
-        ball = Ball(c_x, c_y, c_z, radius, clearance)
+        ball = Ball(c_x, c_y, c_z, radius, nodes.distance * size[0] - radius)
         _wind_from_afar(at, ball, pieces, chosen, winding)
     else:
         for k in range(n_points):
@@ -268,18 +272,22 @@ def _add_far_to_block(  # type: ignore[no-untyped-def]
             points[1, k] += c_y
             points[2, k] += c_z
         _wind(at, n_points, pieces, chosen, np.empty((5, n_points)), winding)
-    if not is_filled:
-        for k in range(n_points):
-            values[k] += winding[k]
-        return
-    for k in range(n_points):
-        values[surface[k]] += winding[k]
-    filled = np.zeros(len(inside))
-    for k in range(n_points):
-        for i in range(len(inside)):
-            filled[i] += fill[k, i] * winding[k]
-    for i in range(len(inside)):
-        values[inside[i]] += filled[i]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _multiply(vector, matrix, product):  # type: ignore[no-untyped-def]
+    """Add a vector times a matrix, four rows at a time, because memory is slower than sums."""
+    n, m = matrix.shape
+    whole = n // 4 * 4
+    for k in range(0, whole, 4):
+        a, b, c, d = vector[k], vector[k + 1], vector[k + 2], vector[k + 3]
+        for i in range(m):
+            product[i] += (a * matrix[k, i] + b * matrix[k + 1, i]) + (
+                c * matrix[k + 2, i] + d * matrix[k + 3, i]
+            )
+    for k in range(whole, n):
+        for i in range(m):
+            product[i] += vector[k] * matrix[k, i]
 
 
 @numba.njit(cache=True, error_model="numpy", parallel=True)

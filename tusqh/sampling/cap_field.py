@@ -3,21 +3,22 @@ r"""Sums of the winding number of a cap over half-blocks of samples, by a tree o
 Away from a triangle its winding number is harmonic, so a polynomial through a few nodes replaces
 it over a block that is far from the triangle.  Blocks are halved from large to small::
 
-    block    values at N x N x N nodes: exact for triangles that are far from this block but from no
-      |      larger one; for those far from a larger block, from the larger block's polynomial
+    block    triangles that are far from this block but from no larger one: exact at the nodes,
+      |      and the polynomial through them gives the sums over the half-blocks
     half     the same, for the triangles that were near the block
       :
     leaf     the remaining near triangles: exact, at every sample
 
-Every sample counts every triangle exactly once.  A block without near triangles is finished: its
-polynomial gives the sums over all its half-blocks, with weights that add up the samples.
+Every sample counts every triangle exactly once.  A block without near triangles is finished.  It
+reaches from its first sample to its last one along each axis, so that polynomials are only used
+where there are samples.
 
-The nodes are Chebyshev nodes with both end points, so most of them lie on the surface of the block.
-Since the function is harmonic, its values on the surface determine those inside, so with many far
-triangles only the surface is evaluated.  The interpolation converges like ``rho^-N``, where the
-nearest triangle lies on the boundary of the Bernstein ellipse ``rho`` of a coordinate; at `FAR`
-sides from the block's centre ``rho`` is at least 3.9, in the corner towards the triangle
-(docs/sampling.md).
+The nodes are Chebyshev nodes with both end points along each axis.  Since the function is
+harmonic, its values at the nodes on the surface of the block determine those inside, so only the
+surface is evaluated.  In a small block one matrix maps them to the sums; in a large one the
+polynomial is evaluated axis by axis.  The interpolation converges like ``rho^-N``, where the
+nearest triangle lies on the boundary of the Bernstein ellipse ``rho`` of a coordinate; so the
+farther a triangle is, the fewer nodes it needs (`tusqh.sampling.block_nodes`).
 """
 
 from __future__ import annotations
@@ -25,9 +26,9 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from tusqh.grid import FloatArray, IntArray
-from tusqh.sampling.angles import FAR, add_far, add_near
-from tusqh.sampling.block_nodes import BlockNodes, interpolation, nodes_for
+from tusqh.grid import BoolArray, FloatArray, IntArray
+from tusqh.sampling.angles import add_near, wind_far
+from tusqh.sampling.block_nodes import BlockNodes, interpolation, orders_for
 from tusqh.sampling.closing import Chain
 from tusqh.sampling.kernel_arguments import Blocks, Lists, Pieces, Samples
 from tusqh.sampling.lattice import Lattice
@@ -36,7 +37,9 @@ from tusqh.sampling.lattice import Lattice
 #: evaluated exactly.
 _LEAF = 8
 #: Below this number of triangles a tighter tolerance is cheap, so it is used.
-_FEW, _TIGHT = 100, 1e-7
+_FEW, _TIGHT = 100, 1e-8
+#: Up to this number of half-blocks in a block, one matrix maps its surface to their sums.
+_FEW_SUMS = 64
 #: Tolerance from which single precision suffices.
 _SINGLE = 2e-7
 
@@ -63,37 +66,57 @@ def add_cap(
         return
     if len(cap) <= _FEW:
         tolerance = min(tolerance, _TIGHT)
-    nodes = BlockNodes.of(nodes_for(tolerance), lattice.is_plane)
-    leaf = np.maximum(1, 2 ** np.floor(np.log2(np.maximum(_LEAF / lattice.half, 1)))).astype(int)
-    if lattice.is_plane:
-        leaf[1] = 1
-    shape = np.array([end - begin, *lattice.n_blocks[1:]])
-    sides = [leaf]
-    while (sides[0] < shape).any():
-        sides.insert(0, np.where(nodes.counts > 1, 2 * sides[0], 1))
+    orders, is_single = orders_for(tolerance), tolerance >= _SINGLE
     middle = cap.corners.mean(axis=1)
     reach = np.linalg.norm(cap.corners - middle[:, None], axis=2).max(axis=1)
     pieces = Pieces(cap.corners, cap.multiplicity, middle, reach)
     samples = Samples(begin, lattice.half, lattice.first, lattice.last)
-    blocks = np.zeros((1, 3), dtype=np.int64)
-    values = np.zeros((1, int(nodes.counts.prod())))
+    shape = np.array([end - begin, *lattice.n_blocks[1:]])
+    blocks, parent = np.zeros((1, 3), dtype=np.int64), np.zeros(1, dtype=np.int64)
     near = Lists(np.arange(len(cap)), np.array([0, len(cap)]))
+    sides = _sides(lattice, shape)
     for level, side in enumerate(sides):
-        lowest = (blocks + np.array([begin, 0, 0])) * lattice.half - 0.5
-        size = side * lattice.half
-        is_leaf = level == len(sides) - 1
-        far, near = _split_lists(pieces, lowest + size / 2, float(size.max()), near)
-        at = Blocks(lowest, size)
-        add_far(pieces, at, nodes.tables, far, values, tolerance >= _SINGLE)
-        is_done = np.diff(near.start) == 0
-        to_x, to_y, to_z = _weights(lattice, side, begin, end, nodes.counts)
-        _add_polynomials(
-            blocks, side, to_x, to_y, to_z, is_done | is_leaf, nodes.counts, values, sums
-        )
-        if is_leaf:
+        at = Blocks((blocks + np.array([begin, 0, 0])) * lattice.half, side * lattice.half - 1.0)
+        near, *far = _split_lists(pieces, at, orders.distance, near, parent)
+        is_whole = _are_whole(samples, blocks, side, shape)
+        for n, distance, listed in zip(orders.n_nodes, orders.distance, far, strict=True):
+            nodes = BlockNodes.of(int(n), lattice.is_plane)
+            weights = _weights(lattice, side, begin, end, nodes.counts)
+            tables = nodes.tables(float(distance))
+            has_far = np.diff(listed.start) > 0
+            rows = np.flatnonzero(has_far & is_whole)
+            if len(rows):
+                matrix = nodes.sums_from_surface(weights, blocks[rows[0]], side)
+                _, added = wind_far(pieces, at, tables, listed, rows, is_single, matrix)
+                _add_sums(blocks[rows], side, added, sums)
+            rows = np.flatnonzero(has_far & ~is_whole)
+            if len(rows):
+                known = wind_far(pieces, at, tables, listed, rows, is_single, nodes.fill)
+                values = nodes.in_order(*known)
+                _add_polynomials(blocks[rows], side, *weights, nodes.counts, values, sums)
+        if level == len(sides) - 1:
             add_near(pieces, blocks, side, samples, near, sums)
         else:
-            blocks, values, near = _halve(blocks, values, near, sides[level + 1], shape, nodes)
+            blocks, parent = _halve(blocks, near, sides[level + 1], shape)
+
+
+def _sides(lattice: Lattice, shape: IntArray) -> list[IntArray]:
+    """Return the sides of blocks in half-blocks, from one block for the whole shape to leaves."""
+    leaf = np.maximum(1, 2 ** np.floor(np.log2(np.maximum(_LEAF / lattice.half, 1)))).astype(int)
+    if lattice.is_plane:
+        leaf[1] = 1
+    sides = [leaf]
+    while (sides[0] < shape).any():
+        sides.insert(0, sides[0] * np.array([2, 1 if lattice.is_plane else 2, 2]))
+    return sides
+
+
+def _are_whole(samples: Samples, blocks: IntArray, side: IntArray, shape: IntArray) -> BoolArray:
+    """Return which blocks are small and inside the lattice, and all of whose samples count."""
+    low = (blocks + np.array([samples.begin, 0, 0])) * samples.half
+    is_whole = (low >= samples.first) & (low + side * samples.half <= samples.last)
+    is_whole &= (blocks + side <= shape) & (side.prod() <= _FEW_SUMS)
+    return np.asarray(is_whole.all(axis=1))
 
 
 def _weights(
@@ -106,8 +129,11 @@ def _weights(
         n_blocks = end - begin if axis == 0 else int(lattice.n_blocks[axis])
         start = begin if axis == 0 else 0
         sample = np.arange(n_blocks * half)
-        in_block = (sample % (side[axis] * half) + 0.5) / (side[axis] * half)
-        of_sample = interpolation(n, 2 * in_block - 1) if n > 1 else np.ones((len(sample), 1))
+        along = side[axis] * half
+        if n > 1:
+            of_sample = interpolation(n, np.linspace(-1, 1, along))[sample % along]
+        else:
+            of_sample = np.ones((len(sample), 1))
         absolute = sample + start * half
         counts = (absolute >= lattice.first[axis]) & (absolute < lattice.last[axis])
         weights.append((of_sample * counts[:, None]).reshape(n_blocks, half, n).sum(axis=1))
@@ -115,61 +141,37 @@ def _weights(
 
 
 def _halve(
-    blocks: IntArray,
-    values: FloatArray,
-    near: Lists,
-    side: IntArray,
-    shape: IntArray,
-    nodes: BlockNodes,
-) -> tuple[IntArray, FloatArray, Lists]:
-    """Return the next level: the halves, inside the lattice, of blocks with near triangles."""
+    blocks: IntArray, near: Lists, side: IntArray, shape: IntArray
+) -> tuple[IntArray, IntArray]:
+    """Return the halves, inside the lattice, of blocks with near pieces, and their parents."""
     parents = np.flatnonzero(np.diff(near.start))
-    offsets = np.stack(
-        np.meshgrid(*[np.arange(len(h)) for h in nodes.halves], indexing="ij"), axis=-1
-    ).reshape(-1, 3)
+    offsets = np.indices(np.where(side < shape, 2, 1)).reshape(3, -1).T
     children = blocks[parents][:, None] + offsets * side
     is_inside = (children < shape).all(axis=2)
     parent = np.repeat(parents, is_inside.sum(axis=1))
-    which = np.broadcast_to(offsets, children.shape)[is_inside]
     # Every n-th block goes to the same thread, because neighbouring blocks have a similar cost.
     n_threads = numba.get_num_threads()
     order = np.concatenate([np.arange(k, len(parent), n_threads) for k in range(n_threads)])
-    parent, which, children = parent[order], which[order], children[is_inside][order]
-    length = np.diff(near.start)[parent]
-    start = np.concatenate([[0], np.cumsum(length)])
-    at_x, at_y, at_z = nodes.halves
-    inherited = _inherit(values, parent, which, at_x, at_y, at_z, nodes.counts)
-    return children, inherited, Lists(_copy_lists(near, parent, start), start)
+    return children[is_inside][order], parent[order]
 
 
-@numba.njit(cache=True, error_model="numpy", parallel=True)
-def _copy_lists(near, parent, start):  # type: ignore[no-untyped-def]
-    copied = np.empty(start[-1], dtype=np.int64)
-    for r in numba.prange(len(parent)):
-        first, last = near.start[parent[r]], near.start[parent[r] + 1]
-        copied[start[r] : start[r + 1]] = near.pieces[first:last]
-    return copied
-
-
-@numba.njit(cache=True, error_model="numpy", parallel=True)
-def _inherit(values, parent, which, at_x, at_y, at_z, n_nodes):  # type: ignore[no-untyped-def]
-    inherited = np.empty((len(parent), values.shape[1]))
-    for r in numba.prange(len(parent)):
-        _inherit_block(values[parent[r]], which[r], at_x, at_y, at_z, n_nodes, inherited[r])
-    return inherited
+def _split_lists(
+    pieces: Pieces, blocks: Blocks, distance: FloatArray, near: Lists, parent: IntArray
+) -> list[Lists]:
+    """Split the near list of each block's parent into near pieces and those of each order."""
+    n = len(blocks.lowest)
+    size = np.diff(near.start)[parent]
+    first = np.concatenate([[0], np.cumsum(size)])
+    order, counts = _find_orders(pieces, blocks, distance, near, parent, first)
+    start = np.concatenate([[0], np.cumsum(counts)])
+    listed = _sort_lists(near, parent, first, order, start, len(distance) + 1)
+    return [Lists(listed, start[c * n : (c + 1) * n + 1]) for c in range(len(distance) + 1)]
 
 
 # The bodies of loops are compiled on their own: inside `prange` that takes numba much longer.
 @numba.njit(cache=True, error_model="numpy")
-def _inherit_block(values, which, at_x, at_y, at_z, n_nodes, inherited):  # type: ignore[no-untyped-def]
-    shape = n_nodes[0], n_nodes[1], n_nodes[2]
-    new = inherited.reshape(shape)
-    _contract(values.reshape(shape), at_x[which[0]], at_y[which[1]], at_z[which[2]], new, False)
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _contract(old, to_x, to_y, to_z, new, is_added):  # type: ignore[no-untyped-def]
-    """Apply a matrix along each axis: ``new[i, j, k] = to_x[i, a] to_y[j, b] to_z[k, c] old``."""
+def _contract(old, to_x, to_y, to_z, new):  # type: ignore[no-untyped-def]
+    """Apply a matrix along each axis: ``new[i, j, k] += to_x[i, a] to_y[j, b] to_z[k, c] old``."""
     n_x, n_y, n_z = old.shape
     m_x, m_y, m_z = new.shape
     along_z = np.zeros((n_x, n_y, m_z))
@@ -184,8 +186,6 @@ def _contract(old, to_x, to_y, to_z, new, is_added):  # type: ignore[no-untyped-
             for b in range(n_y):
                 for k in range(m_z):
                     along_y[a, j, k] += to_y[j, b] * along_z[a, b, k]
-    if not is_added:
-        new[:] = 0.0
     for i in range(m_x):
         for a in range(n_x):
             for j in range(m_y):
@@ -223,66 +223,72 @@ def _dot(u, v):  # type: ignore[no-untyped-def]
 
 
 @numba.njit(cache=True, error_model="numpy", parallel=True)
-def _split_lists(pieces, centre, side, lists):  # type: ignore[no-untyped-def]
-    """Split the list of each block into the pieces that are far from it and those near it."""
-    listed, start = lists.pieces, lists.start
-    n = len(centre)
-    is_far = np.empty(len(listed), dtype=np.bool_)
-    n_far = np.zeros(n + 1, dtype=np.int64)
+def _find_orders(pieces, blocks, distance, near, parent, first):  # type: ignore[no-untyped-def]
+    """Return the order of every listed piece, 0 for a near one, and the sizes of all new lists."""
+    n = len(blocks.lowest)
+    order = np.empty(first[-1], dtype=np.uint8)
+    counts = np.zeros((len(distance) + 1, n), dtype=np.int64)
     for r in numba.prange(n):
-        first, last = start[r], start[r + 1]
-        n_far[r + 1] = _find_far(pieces, listed[first:last], centre[r], side, is_far[first:last])
-    far_start = np.cumsum(n_far)
-    near_start = start - far_start
-    far_list = np.empty(far_start[-1], dtype=np.int64)
-    near_list = np.empty(near_start[-1], dtype=np.int64)
-    for r in numba.prange(n):
-        first, last = start[r], start[r + 1]
-        _split_list(
-            listed[first:last],
-            is_far[first:last],
-            far_list[far_start[r] : far_start[r + 1]],
-            near_list[near_start[r] : near_start[r + 1]],
+        listed = near.pieces[near.start[parent[r]] : near.start[parent[r] + 1]]
+        centre = blocks.lowest[r] + 0.5 * blocks.size
+        side = blocks.size[0]
+        _find_order(
+            pieces, listed, centre, side, distance, order[first[r] : first[r + 1]], counts[:, r]
         )
-    return Lists(far_list, far_start), Lists(near_list, near_start)
+    return order, counts.ravel()
 
 
 @numba.njit(cache=True, error_model="numpy")
-def _find_far(pieces, listed, centre, side, is_far):  # type: ignore[no-untyped-def]
-    """Mark the pieces that are far from the centre of a block, and return their number."""
+def _find_order(pieces, listed, centre, side, distance, order, counts):  # type: ignore[no-untyped-def]
     corners, middle, reach = pieces.corners, pieces.middle, pieces.reach
-    count = 0
+    farthest = distance[-1] * side
     for c in range(len(listed)):
         t = listed[c]
         d = middle[t] - centre
-        distance = np.sqrt(_dot(d, d))
-        far = distance - reach[t] >= FAR * side
-        if not far and reach[t] > 0.25 * side and distance >= FAR * side:
-            far = _distance(centre, corners[t]) >= FAR * side
-        is_far[c] = far
-        count += far
-    return count
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _split_list(listed, is_far, far_list, near_list):  # type: ignore[no-untyped-def]
-    f, m = 0, 0
-    for c in range(len(listed)):
-        if is_far[c]:
-            far_list[f] = listed[c]
-            f += 1
-        else:
-            near_list[m] = listed[c]
-            m += 1
+        apart = np.sqrt(_dot(d, d))
+        least = apart - reach[t]
+        # The distance of a large piece itself may be larger than this bound.
+        if least < farthest and reach[t] > 0.25 * side and apart >= distance[0] * side:
+            least = _distance(centre, corners[t])
+        found = 0
+        while found < len(distance) and least >= distance[found] * side:
+            found += 1
+        order[c] = found
+        counts[found] += 1
 
 
 @numba.njit(cache=True, error_model="numpy", parallel=True)
-def _add_polynomials(  # type: ignore[no-untyped-def]
-    blocks, side, at_x, at_y, at_z, is_chosen, n_nodes, values, sums
-):
+def _sort_lists(near, parent, first, order, start, n_orders):  # type: ignore[no-untyped-def]
+    n = len(parent)
+    listed = np.empty(start[-1], dtype=np.int64)
+    for r in numba.prange(n):
+        old = near.pieces[near.start[parent[r]] : near.start[parent[r] + 1]]
+        _sort_list(old, order[first[r] : first[r + 1]], start, r, n, n_orders, listed)
+    return listed
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _sort_list(old, order, start, r, n, n_orders, listed):  # type: ignore[no-untyped-def]
+    free = np.empty(n_orders, dtype=np.int64)
+    for c in range(n_orders):
+        free[c] = start[c * n + r]
+    for c in range(len(old)):
+        listed[free[order[c]]] = old[c]
+        free[order[c]] += 1
+
+
+@numba.njit(cache=True, error_model="numpy", parallel=True)
+def _add_sums(blocks, side, added, sums):  # type: ignore[no-untyped-def]
     for r in numba.prange(len(blocks)):
-        if is_chosen[r]:
-            _add_polynomial(blocks[r], side, at_x, at_y, at_z, n_nodes, values[r], sums)
+        i, j, k = blocks[r, 0], blocks[r, 1], blocks[r, 2]
+        new = added[r].reshape((side[0], side[1], side[2]))
+        sums[i : i + side[0], j : j + side[1], k : k + side[2]] += new
+
+
+@numba.njit(cache=True, error_model="numpy", parallel=True)
+def _add_polynomials(blocks, side, at_x, at_y, at_z, n_nodes, values, sums):  # type: ignore[no-untyped-def]
+    for r in numba.prange(len(blocks)):
+        _add_polynomial(blocks[r], side, at_x, at_y, at_z, n_nodes, values[r], sums)
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -292,4 +298,4 @@ def _add_polynomial(block, side, at_x, at_y, at_z, n_nodes, values, sums):  # ty
     j_to = min(j + side[1], sums.shape[1])
     k_to = min(k + side[2], sums.shape[2])
     old = values.reshape((n_nodes[0], n_nodes[1], n_nodes[2]))
-    _contract(old, at_x[i:i_to], at_y[j:j_to], at_z[k:k_to], sums[i:i_to, j:j_to, k:k_to], True)
+    _contract(old, at_x[i:i_to], at_y[j:j_to], at_z[k:k_to], sums[i:i_to, j:j_to, k:k_to])

@@ -74,18 +74,17 @@ class NodeTables(NamedTuple):
     ----------
     x, y, z
         Coordinates of the nodes along each axis, in [0, 1].
-    surface, inside
-        Indices of the nodes on the surface and inside, in C order.
-    fill
-        Matrix that maps values on the surface to values inside, shape (n_surface, n_inside).
+    surface
+        Indices of the nodes on the surface, in C order.
+    distance
+        Least distance of pieces from the centre of the block, in sides of the block.
     """
 
     x: FloatArray
     y: FloatArray
     z: FloatArray
     surface: IntArray
-    inside: IntArray
-    fill: FloatArray
+    distance: float
 
 
 class Samples(NamedTuple):
