@@ -177,7 +177,8 @@ class BlockNodes:
         distance
             Least distance of pieces from the centre of the block, in sides of the block.
         """
-        return NodeTables(*self.places, self.surface, distance)
+        x, y, z = self.places
+        return NodeTables(x, y, z, self.surface, distance)
 
     def sums_from_surface(
         self, weights: list[FloatArray], block: IntArray, side: IntArray

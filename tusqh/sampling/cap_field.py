@@ -76,7 +76,8 @@ def add_cap(
     near = Lists(np.arange(len(cap)), np.array([0, len(cap)]))
     sides = _sides(lattice, shape)
     for level, side in enumerate(sides):
-        at = Blocks((blocks + np.array([begin, 0, 0])) * lattice.half, side * lattice.half - 1.0)
+        size: FloatArray = np.asarray(side * lattice.half - 1, dtype=np.float64)
+        at = Blocks((blocks + np.array([begin, 0, 0])) * lattice.half, size)
         near, *far = _split_lists(pieces, at, orders.distance, near, parent)
         is_whole = _are_whole(samples, blocks, side, shape)
         for n, distance, listed in zip(orders.n_nodes, orders.distance, far, strict=True):
@@ -93,7 +94,8 @@ def add_cap(
             if len(rows):
                 known = wind_far(pieces, at, tables, listed, rows, is_single, nodes.fill)
                 values = nodes.in_order(*known)
-                _add_polynomials(blocks[rows], side, *weights, nodes.counts, values, sums)
+                x, y, z = weights
+                _add_polynomials(blocks[rows], side, x, y, z, nodes.counts, values, sums)
         if level == len(sides) - 1:
             add_near(pieces, blocks, side, samples, near, sums)
         else:
@@ -145,7 +147,7 @@ def _halve(
 ) -> tuple[IntArray, IntArray]:
     """Return the halves, inside the lattice, of blocks with near pieces, and their parents."""
     parents = np.flatnonzero(np.diff(near.start))
-    offsets = np.indices(np.where(side < shape, 2, 1)).reshape(3, -1).T
+    offsets = np.indices(np.where(side < shape, 2, 1).tolist()).reshape(3, -1).T
     children = blocks[parents][:, None] + offsets * side
     is_inside = (children < shape).all(axis=2)
     parent = np.repeat(parents, is_inside.sum(axis=1))
