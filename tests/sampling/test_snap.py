@@ -199,7 +199,7 @@ def test_what_cannot_be_placed_is_refused():
 
 def test_images_are_told_that_they_cannot_be_snapped():
     result = tusqh.mesh(np.ones((4, 4, 4)), snap=True, image={"full": 1.0})
-    assert "`grid.snap` applies only to outlines, in 2D and surfaces" in str(result.report)
+    assert "`grid.snap` applies only to outlines and surfaces" in str(result.report)
 
 
 def test_a_window_and_an_offset_go_together():
