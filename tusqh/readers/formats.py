@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tusqh.errors import GeometryError
-from tusqh.geometry.kinds import Kind
+
+if TYPE_CHECKING:
+    from tusqh.geometry.kinds import Kind
 
 
 @dataclass(frozen=True)

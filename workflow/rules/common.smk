@@ -24,11 +24,13 @@ from tusqh.compiled import compile_functions, is_compiled, write_bytecode
 from tusqh.errors import TusqhError
 from tusqh.files import RESULT_FILES
 from tusqh.geometry.packaged import PACKAGE
+from tusqh.grid.slabs import LEAST
 from tusqh.readers.beside import files_beside
 from tusqh.readers.formats import FORMATS, dimension_of, find_format
 from provenance.claims import load_claims
 from provenance.code import code_fingerprints, list_code
 from tusqh.quality.system_libraries import describe_missing
+from tusqh.sampling.memory import estimate_slab
 from tusqh.settings.effect import find_without_effect
 from tusqh.settings.load import load_config
 from tusqh.settings.section import to_plain
@@ -101,6 +103,8 @@ COMPARED = SOLIDS if SETTINGS.study.peers is None else list(SETTINGS.study.peers
 if not set(COMPARED) <= set(SOLIDS):
     raise WorkflowError(f"study.peers: found {', '.join(COMPARED)}, expected 3D models: {', '.join(SOLIDS)}")
 SNAPSHOTS = sorted(SETTINGS.snapshots)
+# Bytes of a job of one slab, by which `slabs: auto` chooses their number before the geometry is read.
+MEMORY_OF_SLAB = 1_000_000_000
 
 wildcard_constraints:
     model="|".join(MODELS) or "(?!)",
@@ -340,3 +344,24 @@ def serve_steps():
     one_thread = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
     command = [sys.executable, os.fspath(BASE / "workflow/steps/serve.py"), SOCKET]
     subprocess.Popen(command, stdin=subprocess.PIPE, env=os.environ | one_thread)
+
+
+def slabs_of(wildcards):
+    """Return the number of slabs of a model."""
+    model = SETTINGS.models[wildcards.model]
+    wanted = model.settings.memory.slabs
+    if wanted != "auto":
+        return wanted
+    n_cells = cells_of(model, 3)
+    most = max(1, round(n_cells ** (1 / 3)) // LEAST)
+    return next((n for n in range(1, most) if estimate_slab(n_cells, n_cells, n) <= MEMORY_OF_SLAB), most)
+
+
+def of_slabs(path):
+    """Return a function that gives a rule one file for every slab of its model."""
+
+    def paths(wildcards):
+        slabs = [f"{number:04d}" for number in range(slabs_of(wildcards))]
+        return expand(path, model=wildcards.model, slab=slabs)
+
+    return paths

@@ -27,8 +27,9 @@ def cells_of(model, dimension):
     grid, window = model.settings.grid, model.settings.window
     if grid.cell_size is not None:
         # The box of a geometry is not known before it is read.
-        lower, upper = window.box if window else ([0] * dimension, [100 * grid.cell_size] * dimension)
-        return math.prod(math.ceil((b - a) / grid.cell_size) for a, b in zip(lower, upper))
+        sizes = grid.cell_size if isinstance(grid.cell_size, tuple) else dimension * (grid.cell_size,)
+        lower, upper = window.box if window else ([0] * dimension, [100 * size for size in sizes])
+        return math.prod(math.ceil((b - a) / size) for a, b, size in zip(lower, upper, sizes))
     cells = grid.cells or 64
     return math.prod(cells) if isinstance(cells, tuple) else cells**dimension
 

@@ -1,31 +1,4 @@
 # Large models in slabs: every slab is sampled, meshed and written by a job of its own.
-from tusqh.grid.slabs import LEAST
-from tusqh.sampling.memory import estimate_slab
-
-# Bytes of a job of one slab, by which `slabs: auto` chooses their number before the geometry is read.
-MEMORY_OF_SLAB = 1_000_000_000
-
-
-def slabs_of(wildcards):
-    """Return the number of slabs of a model."""
-    model = SETTINGS.models[wildcards.model]
-    wanted = model.settings.memory.slabs
-    if wanted != "auto":
-        return wanted
-    n_cells = cells_of(model, 3)
-    most = max(1, round(n_cells ** (1 / 3)) // LEAST)
-    return next((n for n in range(1, most) if estimate_slab(n_cells, n_cells, n) <= MEMORY_OF_SLAB), most)
-
-
-def of_slabs(path):
-    """Return a function that gives a rule one file for every slab of its model."""
-
-    def paths(wildcards):
-        slabs = [f"{number:04d}" for number in range(slabs_of(wildcards))]
-        return expand(path, model=wildcards.model, slab=slabs)
-
-    return paths
-
 
 SLAB_OF_FRACTIONS = "results/{model}/fractions_pieces/{slab}.npz"
 SLAB_OF_ELEMENTS = "results/{model}/slabs/elements/{slab}.npz"
