@@ -331,6 +331,7 @@ def write_images(folder):
     nrrd.write(str(folder / "apart.nhdr"), ball, {"encoding": "raw"})
     Pillow.fromarray(ball[:, :, 3]).save(folder / "ball.png")
     Pillow.fromarray(ball[:, :, 3]).save(folder / "ball.jpg")
+    Pillow.fromarray(ball[:, :, 3]).save(folder / "ball.jpeg")
     for encoding in ("raw", "gzip", "bzip2", "ascii"):
         nrrd.write(str(folder / f"{encoding}.nrrd"), ball, {"encoding": encoding})
 

@@ -186,7 +186,7 @@ def test_bad_arguments_are_explained(arguments, parts):
     ("source", "message"),
     [
         (3.5, "type float is not a geometry"),
-        (np.zeros((4, 4)), r"shape \(4, 4\)"),
+        (np.zeros(4), r"shape \(4,\)"),
         (([[0, 0, 0]], [[0, 1]]), r"shapes \(1, 3\) and \(1, 2\)"),
         (([[0, 0, "x"]], [[0, 0, 0]]), "not numbers"),
         (([[0, 0, 1j]], [[0, 0, 0]]), "not numbers: points are complex"),

@@ -106,14 +106,16 @@ def add_model(
 
 
 def _to_entry(model: Model) -> dict[str, Any]:
-    """Return the block of a model: its grid, and the settings that are not defaults.
+    """Return the block of a model: where its grid lies, and the settings that are not defaults.
 
     >>> _to_entry(Model.from_dict({"geometry": "a.stl", "unit": "mm"}))
     {'geometry': 'a.stl', 'grid': {'cells': 64, 'placement': 'auto'}, 'unit': 'mm'}
     """
     known = model.to_dict()
     changed = model.to_dict(defaults=False)
-    return {key: changed.get(key, known[key]) for key in known if key in {*changed, "grid"}}
+    grid = {key: value for key, value in known["grid"].items() if value is not False}
+    entry = known | {"grid": grid}
+    return {key: changed.get(key, entry[key]) for key in known if key in {*changed, "grid"}}
 
 
 def _file_in(root: Path, name: str, geometry: str, source: Path) -> str:

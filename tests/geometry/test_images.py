@@ -86,7 +86,7 @@ def test_the_canonical_file_keeps_every_bit(tmp_path, dtype):
 @pytest.mark.parametrize(
     ("voxels", "message"),
     [
-        (np.zeros((3, 3)), r"shape \(3, 3\)"),
+        (np.zeros(3), r"shape \(3,\)"),
         (np.zeros((3, 0, 3)), r"shape \(3, 0, 3\)"),
         (np.zeros((2, 2, 2, 3)), r"shape \(2, 2, 2, 3\)"),
         (np.full((2, 2, 2), np.nan), "not all finite"),

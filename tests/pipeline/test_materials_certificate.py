@@ -180,7 +180,8 @@ def test_tampering_with_the_geometry_is_found(found, folder):
     path = folder / "geometry.vtp"
     geometry = load_geometry(path)
     if hasattr(geometry, "voxels"):
-        geometry.voxels[0, 0, 0] = (geometry.voxels[0, 0, 0] + 1) % 3
+        first = (0,) * geometry.voxels.ndim
+        geometry.voxels[first] = (geometry.voxels[first] + 1) % 3
     else:
         geometry.points[0] += 0.4
     write_geometry(path, geometry)

@@ -111,7 +111,7 @@ def test_several_materials_are_meshed_in_one_step(foam):
     written = [foam / "grains.exo", foam / "results/grains/export/mesh.exo"]
     blocks = [[len(b.data) for b in meshio.read(path).cells] for path in written]
     assert blocks[0] == blocks[1]
-    page = make_materials_page(read_materials_subject(foam / "grains"))
+    page = make_materials_page(read_materials_subject(foam / "grains", geometry="grains.npy"))
     assert page == (foam / "results/grains/explorer.html").read_text("utf-8")
     rows = pd.read_csv(foam / "results/grains/verification.csv")
     assert rows["material"].tolist() == ["bone", "marrow", "all"]

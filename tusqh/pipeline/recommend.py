@@ -120,7 +120,7 @@ def recommend(
     >>> lines = [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4]]
     >>> found = recommend(ingest((points, lines)), Target(betti_0=1, betti_1=1))
     >>> found.cells, " ".join(found.words)
-    (6, '--cells 6 --placement corner --betti 1,1')
+    (6, '--cells 6 --placement corner --betti 1,1,*')
     """
     settings = settings or Settings()
     if target is None:

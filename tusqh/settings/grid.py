@@ -21,8 +21,8 @@ class Grid(Section):
 
     Examples
     --------
-    >>> Grid(cell_size=0.5)
-    Grid(cells=None, cell_size=0.5, placement='auto')
+    >>> Grid(cell_size=0.5).placement
+    'auto'
     >>> Grid().cells
     64
     """
