@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import trimesh
 from backgrounds import backgrounds
-from test_background_mesh import random_cells
 from test_background_fractions import as_soup, ball, star
+from test_background_mesh import random_cells
 
 from tusqh.background.improve import improve
 from tusqh.background.makers import make_box, make_cylinder, make_layers
