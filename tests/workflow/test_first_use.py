@@ -91,6 +91,7 @@ def test_models_can_be_made_without_the_studies_and_come_first(repository, elsew
     assert "priority" not in jobs["pinch_catalogue"]
 
 
+@pytest.mark.slow
 def test_thresholds_and_placements_can_be_jobs_of_their_own(repository, elsewhere):
     (elsewhere / "settings.yaml").write_text(GAP + "study: {placements: 4, cells_2d: [8]}\n")
     options = ("-s", str(repository / "Snakefile"), "--configfile", "settings.yaml")
