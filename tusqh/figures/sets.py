@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 
 from tusqh.figures import style
 from tusqh.figures.material_colours import material_colours, to_rgb
@@ -64,6 +65,7 @@ def _draw(axes: Axes, mesh: VolumeMesh, sets: Sequence[FacetSet], title: str, up
         style.draw_polygons(axes, mesh.points, mesh.cells, colour=style.MATERIAL, line_width=0.2)
         axes.add_collection(LineCollection(list(mesh.points[facets]), colors=rgb, linewidths=2))
         style.frame(axes, lower, upper, "units of the file")
+        axes.xaxis.set_major_locator(MaxNLocator(4))
         axes.set_title(title, fontsize=9)
         for place, number in zip(at, numbers, strict=True):
             axes.text(
