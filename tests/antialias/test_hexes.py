@@ -61,7 +61,9 @@ def test_all_254_mixed_neighbourhoods(connect):
     assert n_resolved >= 128
 
 
-@pytest.mark.parametrize("start", range(0, N_FIELDS, 200))
+@pytest.mark.parametrize(
+    "start", [0, *(pytest.param(s, marks=pytest.mark.slow) for s in range(200, N_FIELDS, 200))]
+)
 def test_random_fields_with_random_votes(start):
     for seed in range(start, start + 200):
         rng = np.random.default_rng(seed)

@@ -56,7 +56,10 @@ def test_envelopes_of_doubled_sheets_have_the_volume_of_the_solids(name):
     )
 
 
-@pytest.mark.parametrize("name", OPEN)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=pytest.mark.slow if OPEN[n] else ()) for n in OPEN],
+)
 def test_open_surfaces_get_shells_and_their_closed_ones_envelopes(name, repository):
     path = repository / "data_sources/zoo" / name
     shell = tusqh.mesh(path, cells=20, inside="shell")

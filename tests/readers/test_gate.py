@@ -175,7 +175,9 @@ NAMES = [
 ]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(
+    "name", [*NAMES[1:3], *(pytest.param(n, marks=pytest.mark.slow) for n in NAMES[:1] + NAMES[3:])]
+)
 def test_names_of_every_kind_are_read_and_shown_on_one_line(samples, tmp_path, name):
     for data in ("apart.raw", "ball.zraw"):
         shutil.copy(samples[0].parent / data, tmp_path)
