@@ -84,7 +84,7 @@ def test_a_ball_has_no_features():
 
 @pytest.mark.parametrize("name", ["cylinder", "two_boxes", "bracket"])
 def test_creases_of_samples_are_the_true_ones(name):
-    """Also where two parts overlap, so that the crease is no edge of the file."""
+    """Also where two parts overlap, so that the crease is not an edge of the file."""
     solid = SOLIDS[name][0]().turned(5)
     result = tusqh.mesh((solid.points, solid.triangles), cells=18, threshold=0.5)
     target = Target.of(result.geometry, result.fractions)
