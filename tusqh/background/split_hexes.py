@@ -10,8 +10,8 @@ hex and a face of the old hex that does not contain v (Schneiders, 1996)::
         v --- p -- a
 
 The corner hexes at a pinch vertex are its *ball*.  A pinch edge then runs from ball to ball; the
-hexes that contain what is left of it are its *stick*.  Where a stick would touch what decides
-otherwise, its ends on the balls are split as well, which makes it thinner.
+hexes that contain the rest of the edge are its *stick*.  Where a stick would touch a ball or a
+stick with another decision, its ends on the balls are split as well, which makes it thinner.
 """
 
 from __future__ import annotations

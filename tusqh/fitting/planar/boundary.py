@@ -137,7 +137,7 @@ class Boundary:
         Returns
         -------
         pieces
-            The piece of every side, -1 where it belongs to no surface; None: there are no corners.
+            The piece of every side, -1 without a surface; None: the outline has no corners.
         """
         sides, before = self.layered.sides, self.layered.loop[0]
         normals = directions_of(points, sides)
